@@ -1,0 +1,51 @@
+# `make study` and `make test` need Python >= 3.11, make and a package index; nothing needs root but `make system`.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+CONFIG ?= configs/quick.toml
+
+.PHONY: study test test-all lint types benchmark constraints system clean
+
+study: $(VENV)/.core
+	$(BIN)/ecfit run $(CONFIG)
+
+test: $(VENV)/.test
+	$(BIN)/pytest
+
+test-all: $(VENV)/.test
+	$(BIN)/pytest -m ""
+
+lint: $(VENV)/.dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(VENV)/.dev
+	$(BIN)/pyright
+
+benchmark: $(VENV)/.bench
+	$(BIN)/python benchmarks/tables.py
+	$(BIN)/python benchmarks/fits.py
+
+constraints: $(VENV)/.uv
+	$(BIN)/uv pip compile --universal --no-header --no-annotate --extra test --extra dev --extra bench pyproject.toml -o constraints.txt
+
+# System packages for the tests that compile or draw with foreign tools. None is needed yet.
+system:
+	@echo "no system packages are needed"
+
+$(VENV)/.uv:
+	$(PYTHON) -c 'import sys; sys.exit("ecfit needs Python 3.11 or newer: make PYTHON=python3.11" if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check uv
+	touch $@
+
+$(VENV)/.core: $(VENV)/.uv pyproject.toml constraints.txt
+	$(BIN)/uv pip install --quiet --python $(BIN)/python -c constraints.txt -e .
+	touch $@
+
+$(VENV)/.%: $(VENV)/.core
+	$(BIN)/uv pip install --quiet --python $(BIN)/python -c constraints.txt -e '.[$*]'
+	touch $@
+
+clean:
+	rm -rf $(VENV) build dist

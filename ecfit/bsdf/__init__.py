@@ -1,0 +1,11 @@
+"""BSDF models: the one method they need, their registry, and those that ecfit ships."""
+
+from ecfit.bsdf.base import BSDF as BSDF
+from ecfit.bsdf.base import option as option
+from ecfit.bsdf.base import parameter as parameter
+from ecfit.bsdf.conductor import Conductor as Conductor
+from ecfit.bsdf.lambertian import Lambertian as Lambertian
+from ecfit.bsdf.registry import as_model as as_model
+from ecfit.bsdf.registry import model as model
+from ecfit.bsdf.registry import models as models
+from ecfit.bsdf.registry import register as register

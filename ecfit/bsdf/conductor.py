@@ -1,0 +1,61 @@
+"""Rough conductors: one microfacet reflection lobe."""
+
+from ecfit._jax import jax, jnp
+from ecfit.bsdf.base import BSDF, option, parameter
+from ecfit.bsdf.registry import register
+from ecfit.microfacet import (
+    MASKINGS,
+    NDFS,
+    ConductorFresnel,
+    Fresnel,
+    SchlickFresnel,
+    UnitFresnel,
+    masking_shadowing,
+)
+from ecfit.quadrature import HalfVectorReflection
+
+Array = jax.Array
+
+
+@register("conductor")
+class Conductor(BSDF):
+    """f = F(wo.h) D(h) G2(wo, wi) / (4 mu_o mu_i) (Sforza & Pellacini 2022, eq. 15, times Fresnel).
+
+    With fresnel="unit" this is the single-scattering lobe whose albedo E_ss normalises energy
+    compensation (their eq. 14).
+    """
+
+    alpha: Array = parameter(0.25, 0.0, 1.0, "GGX or Beckmann width; r = sqrt(alpha) is accepted too")
+    F0: Array = parameter(1.0, 0.0, 1.0, "reflectance at normal incidence (fresnel = schlick)")
+    F90: Array = parameter(1.0, 0.0, 1.0, "reflectance at grazing incidence (fresnel = schlick)")
+    eta: Array = parameter(0.2, 0.01, 20.0, "real part of the index of refraction (fresnel = exact)")
+    k: Array = parameter(3.9, 0.0, 30.0, "imaginary part of the index of refraction (fresnel = exact)")
+    ndf: str = option("ggx", tuple(NDFS), "distribution of normals")
+    masking: str = option("separable", MASKINGS, "form of the masking-shadowing G2")
+    fresnel: str = option("unit", ("unit", "schlick", "exact"), "F = 1, Schlick, or complex index")
+
+    def active_parameters(self) -> tuple[str, ...]:
+        by_fresnel = {"unit": (), "schlick": ("F0", "F90"), "exact": ("eta", "k")}
+        return ("alpha", *by_fresnel[self.fresnel])
+
+    def fresnel_factor(self) -> Fresnel:
+        """F as a function of x = wo.h."""
+        if self.fresnel == "schlick":
+            return SchlickFresnel(self.F0, self.F90)
+        if self.fresnel == "exact":
+            return ConductorFresnel(self.eta, self.k)
+        return UnitFresnel()
+
+    def f(self, wo: Array, wi: Array) -> Array:
+        above = (wo[2] > 0.0) & (wi[2] > 0.0)
+        # A safe stand-in below the horizon keeps gradients finite.
+        wi = jnp.where(above, wi, jnp.array([0.0, 0.0, 1.0]))
+        h = wo + wi
+        h = h / jnp.linalg.norm(h)
+        x = jnp.minimum(jnp.dot(wo, h), 1.0)
+        ndf = NDFS[self.ndf]
+        g = masking_shadowing(ndf, self.masking, wo[2], wi[2], self.alpha)
+        return jnp.where(above, 0.25 * self.fresnel_factor()(x) * ndf.D(h[2], self.alpha) * g, 0.0)
+
+    def measure(self) -> HalfVectorReflection:
+        return HalfVectorReflection(NDFS[self.ndf], self.masking, self.alpha, self.fresnel_factor())

@@ -1,0 +1,83 @@
+"""The contract: every convention that gives a number of ecfit its meaning, as data."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields
+
+from ecfit.errors import EcfitError, unknown
+
+QUANTITIES = {
+    "directional-albedo": "E(mu): integral of f |cos theta_i| over wi",
+    "average-albedo": "E_avg: 2 x integral of E(mu) mu over mu in [0, 1]",
+}
+LOBES = {
+    "all": "reflection and transmission",
+    "reflection": "wi on the side of wo",
+    "transmission": "wi on the other side",
+}
+TRANSPORTS = {
+    "energy": "the transmitted lobe scaled by eta^2: the measure that is preserved",
+    "radiance": "the BSDF as rendered, without eta^2",
+}
+
+
+@dataclass(frozen=True)
+class Contract:
+    """What a table or an approximation stands for.
+
+    Attributes:
+        model: registered name of the BSDF, or "unknown" for a foreign table.
+        options: the model's options in words: masking, ndf, fresnel, side, ...
+        parameters: values of the model's parameters that are not axes.
+        quantity, lobe, transport: names of `QUANTITIES`, `LOBES`, `TRANSPORTS`.
+        stored: "E" (a table of 1 - E is converted on reading).
+        sampling: "clamped" where nodes differ from the coordinates that a fit sees, else "true".
+    """
+
+    model: str
+    options: Mapping[str, str] = field(default_factory=dict)
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    quantity: str = "directional-albedo"
+    lobe: str = "all"
+    transport: str = "energy"
+    stored: str = "E"
+    sampling: str = "true"
+
+    def __post_init__(self) -> None:
+        for kind, name, valid in (
+            ("quantity", self.quantity, QUANTITIES),
+            ("lobe", self.lobe, LOBES),
+            ("transport", self.transport, TRANSPORTS),
+            ("stored value", self.stored, ("E",)),
+            ("sampling", self.sampling, ("true", "clamped")),
+        ):
+            if not isinstance(name, str) or name not in valid:
+                raise unknown(kind, name, valid)
+
+    def to_dict(self) -> dict:
+        """A JSON-ready dictionary."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, data: Mapping) -> "Contract":
+        """The inverse of `to_dict`; raises `EcfitError` for unknown or missing keys."""
+        known = {f.name for f in fields(cls)}
+        if not isinstance(data, Mapping) or "model" not in data:
+            raise EcfitError("a contract must be a mapping with at least the key 'model'")
+        for key in data:
+            if key not in known:
+                raise unknown("contract key", key, known)
+        return cls(**data)
+
+    def describe(self) -> list[tuple[str, str]]:
+        """(label, value) rows for people to read."""
+        rows = [("model", self.model)]
+        rows += sorted((k, str(v)) for k, v in self.options.items())
+        rows += sorted((k, f"{v:g}") for k, v in self.parameters.items())
+        rows += [
+            ("quantity", f"{self.quantity} ({QUANTITIES[self.quantity]})"),
+            ("lobe", self.lobe),
+            ("transport", self.transport),
+            ("stored", self.stored),
+            ("sampling", self.sampling),
+        ]
+        return rows

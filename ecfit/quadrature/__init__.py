@@ -1,0 +1,10 @@
+"""Quadrature: ever finer rules for the albedo integral, and their refinement with error estimates."""
+
+from ecfit.quadrature.half_vector import HalfVectorReflection as HalfVectorReflection
+from ecfit.quadrature.hemisphere import Hemisphere as Hemisphere
+from ecfit.quadrature.measure import Measure as Measure
+from ecfit.quadrature.refine import STATUS as STATUS
+from ecfit.quadrature.refine import Refined as Refined
+from ecfit.quadrature.refine import Status as Status
+from ecfit.quadrature.refine import refine as refine
+from ecfit.quadrature.rules import gauss_legendre as gauss_legendre

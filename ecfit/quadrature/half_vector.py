@@ -1,0 +1,95 @@
+"""Microfacet reflection integrated over half vectors (see docs/conventions.md for the symbols).
+
+With wi = reflect(wo, h), dwi = 4 x dh (x = wo.h), the albedo is the integral of
+F(x) D(h) G2 x / mu_o over h. Polar angles of h with the azimuth phi measured from the plane of wo:
+
+- the NDF's own rule in the slope T = tan(theta_h) / alpha removes the peak of D for every alpha;
+- cos(theta_i) = 2 x cos(theta_h) - mu >= 0 bounds theta_h, for given phi, by pi/4 + delta/2 with
+  delta = atan2(s cos(phi), mu): the domain ends in closed form and holds no kink;
+- that edge turns within a width ~ mu around phi = pi/2: a sinh map centred there spreads it.
+
+Everything per node is arithmetic and square roots; trigonometry is needed once per azimuth only.
+"""
+
+from typing import ClassVar
+
+import equinox as eqx
+
+from ecfit._jax import jax, jnp
+from ecfit.microfacet import NDF, Fresnel, masking_shadowing
+from ecfit.quadrature.measure import Measure
+from ecfit.quadrature.rules import gauss_legendre
+
+Array = jax.Array
+
+# The sinh map's scale is mu, but not below this: at mu = 0 the integrand has a kink at phi = pi/2 in the
+# middle of the map, whose contribution to the error falls with the square of the scale.
+_SCALE_FLOOR = 1e-6
+# Added to mu: makes mu = 0 the limit of small mu, and (alpha, mu) = (0, 0) a mirror's (E = F(0)).
+_TINY = 1e-100
+
+
+def azimuths(mu: Array, count: int) -> tuple[Array, Array]:
+    """cos(phi) and weights for integrals over phi in [0, 2 pi] of functions even in phi."""
+    t, w = gauss_legendre(count)
+    scale = jnp.maximum(mu, _SCALE_FLOOR)
+    a = jnp.arcsinh(0.5 * jnp.pi / scale)
+    b = a * (2.0 * t - 1.0)
+    return jnp.sin(scale * jnp.sinh(b)), 4.0 * a * scale * jnp.cosh(b) * w
+
+
+def horizon(mu: Array, s: Array, c: Array) -> tuple[Array, Array]:
+    """tan(theta_max) = num / den where wi meets the horizon, for azimuths with cosine c."""
+    b = s * c
+    rho = jnp.sqrt(mu * mu + b * b)
+    # (rho + b) / mu, for b < 0 as mu / (rho - b): neither cancels.
+    return jnp.where(b > 0.0, rho + b, mu), jnp.where(b > 0.0, mu, rho - b)
+
+
+class HalfVectorReflection(Measure):
+    """The half-vector rule for f = F D G2 / (4 mu_o mu_i).
+
+    Converges geometrically; on mu >= 0.02, r >= 0.035 the levels reach about 1e-4, 1e-5, 4e-7, 5e-8,
+    2e-9, 1e-11 (docs/performance.md), and mu = 0 and alpha = 0 are allowed.
+    """
+
+    ndf: NDF
+    masking: str = eqx.field(static=True)
+    alpha: Array
+    fresnel: Fresnel
+
+    # (nodes in slope, nodes in azimuth) of each level.
+    ORDERS: ClassVar[tuple[tuple[int, int], ...]] = (
+        (8, 8),
+        (12, 12),
+        (18, 16),
+        (28, 24),
+        (42, 36),
+        (64, 56),
+        (96, 84),
+        (144, 128),
+    )
+
+    @property
+    def levels(self) -> tuple[int, ...]:
+        return tuple(a * b for a, b in self.ORDERS)
+
+    def albedo(self, mu: Array, level: int, lobe: str) -> Array:
+        if lobe == "transmission":
+            return jnp.zeros_like(mu)
+        n_slope, n_azimuth = self.ORDERS[level]
+        alpha, mu = self.alpha, mu + _TINY
+        s = jnp.sqrt(jnp.maximum((1.0 - mu) * (1.0 + mu), 0.0))
+        c, w_azimuth = azimuths(mu, n_azimuth)
+        num, den = horizon(mu, s, c)
+        u, w_slope = gauss_legendre(n_slope)
+        # Shapes below: (n_azimuth, n_slope).
+        n, d, w = self.ndf.slope_rule(num[:, None], (alpha * den)[:, None], u[None, :])
+        p = d * mu + alpha * n * (s * c)[:, None]  # x R
+        r2 = d * d + (alpha * n) ** 2  # R^2, with cos(theta_h) = d / R
+        x = p / jnp.sqrt(r2)
+        mu_i = jnp.maximum(2.0 * p * d / r2 - mu, 0.0)
+        g = masking_shadowing(self.ndf, self.masking, mu, mu_i, alpha) * mu_i
+        values = self.fresnel(jnp.minimum(x, 1.0)) * g * (p / d) * w
+        # As a matrix-vector product: fused sums of such values are 2 to 4 times slower on a CPU.
+        return w_azimuth @ (values @ w_slope)

@@ -1,0 +1,8 @@
+"""Quantities: what is integrated of a BSDF, and stored in tables."""
+
+from ecfit.quantities.albedo import directional_albedo as directional_albedo
+from ecfit.quantities.base import AverageAlbedo as AverageAlbedo
+from ecfit.quantities.base import DirectionalAlbedo as DirectionalAlbedo
+from ecfit.quantities.base import Quantity as Quantity
+from ecfit.quantities.base import quantity as quantity
+from ecfit.quantities.points import parameter_map as parameter_map
