@@ -1,0 +1,72 @@
+"""ecfit: from a BSDF to albedo tables with error estimates, rational fits and reports.
+
+Public names are imported on first use, so that `import ecfit` (and `ecfit --help`) does not load JAX.
+"""
+
+from importlib import import_module
+from importlib.metadata import version as _version
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ecfit.approximation import Approximation as Approximation
+    from ecfit.approximation import published as published
+    from ecfit.bsdf import BSDF as BSDF
+    from ecfit.bsdf import model as model
+    from ecfit.bsdf import models as models
+    from ecfit.bsdf import option as option
+    from ecfit.bsdf import parameter as parameter
+    from ecfit.bsdf import register as register
+    from ecfit.check import check_bsdf as check_bsdf
+    from ecfit.contract import Contract as Contract
+    from ecfit.coordinates import Axis as Axis
+    from ecfit.coordinates import Grid as Grid
+    from ecfit.errors import EcfitError as EcfitError
+    from ecfit.fitting import Fit as Fit
+    from ecfit.fitting import fit as fit
+    from ecfit.forms import Polynomial as Polynomial
+    from ecfit.forms import Rational as Rational
+    from ecfit.quantities import directional_albedo as directional_albedo
+    from ecfit.study import Study as Study
+    from ecfit.study import run as run
+    from ecfit.tables import Table as Table
+    from ecfit.tables import tabulate as tabulate
+
+_HOME = {
+    "Approximation": "ecfit.approximation",
+    "published": "ecfit.approximation",
+    "BSDF": "ecfit.bsdf",
+    "model": "ecfit.bsdf",
+    "models": "ecfit.bsdf",
+    "option": "ecfit.bsdf",
+    "parameter": "ecfit.bsdf",
+    "register": "ecfit.bsdf",
+    "check_bsdf": "ecfit.check",
+    "Contract": "ecfit.contract",
+    "Axis": "ecfit.coordinates",
+    "Grid": "ecfit.coordinates",
+    "EcfitError": "ecfit.errors",
+    "Fit": "ecfit.fitting",
+    "fit": "ecfit.fitting",
+    "Polynomial": "ecfit.forms",
+    "Rational": "ecfit.forms",
+    "directional_albedo": "ecfit.quantities",
+    "Study": "ecfit.study",
+    "run": "ecfit.study",
+    "Table": "ecfit.tables",
+    "tabulate": "ecfit.tables",
+}
+
+__version__ = _version("ecfit")
+__all__ = [*_HOME, "__version__"]  # pyright: ignore[reportUnsupportedDunderAll]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'ecfit' has no attribute '{name}'")
+    value = getattr(import_module(_HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -30,7 +30,8 @@ class NDF(eqx.Module):
 
         The azimuth is left to the caller. Args: the upper end T_max = num / den (den = 0: infinity),
         and u in [0, 1]. Returns (n, d, w) with T = n / d and, for any smooth g,
-        integral over T of g(T) D cos(theta_h) sin(theta_h) dtheta_h = integral of g(n / d) w du.
+        integral over T of g(T) D cos(theta_h) sin(theta_h) dtheta_h = integral of g(n / d) d w du.
+        (The factor d is left out of w because the integrand's x / cos(theta_h) brings a 1 / d.)
         """
 
 
@@ -59,7 +60,7 @@ class GGX(NDF):
         w = w_max * (1.0 - v * v * v)
         c = (1.0 - w) * (1.0 + w)
         q = 1.0 / (1.0 + w * w)
-        return 2.0 * w, c, (12.0 / jnp.pi) * w_max * v * v * w * c * q * q * q
+        return 2.0 * w, c, (12.0 / jnp.pi) * w_max * v * v * w * q * q * q
 
 
 class Beckmann(NDF):

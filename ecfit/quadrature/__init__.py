@@ -7,4 +7,5 @@ from ecfit.quadrature.refine import STATUS as STATUS
 from ecfit.quadrature.refine import Refined as Refined
 from ecfit.quadrature.refine import Status as Status
 from ecfit.quadrature.refine import refine as refine
+from ecfit.quadrature.rules import Estimate as Estimate
 from ecfit.quadrature.rules import gauss_legendre as gauss_legendre

@@ -3,11 +3,9 @@
 from collections.abc import Callable
 from typing import ClassVar
 
-import numpy as np
-
 from ecfit._jax import jax, jnp
 from ecfit.quadrature.measure import Measure
-from ecfit.quadrature.rules import graded
+from ecfit.quadrature.rules import Estimate, graded, integrate
 
 Array = jax.Array
 
@@ -27,36 +25,38 @@ class Hemisphere(Measure):
     f: Callable[[Array, Array], Array]
     transmissive: bool = True
 
+    default_level: ClassVar[int] = 3
     # (dyadic depth, nodes per panel and dimension) of each level.
     ORDERS: ClassVar[tuple[tuple[int, int], ...]] = ((0, 8), (0, 12), (1, 12), (2, 14), (4, 14), (6, 18), (9, 20))
 
     @property
     def levels(self) -> tuple[int, ...]:
-        return tuple(4 * ((depth + 1) * count) ** 2 for depth, count in self.ORDERS)
+        sides = 2 if self.transmissive else 1
+        return tuple(4 * sides * ((depth + 1) * count) ** 2 for depth, count in self.ORDERS)
 
-    def albedo(self, mu: Array, level: int, lobe: str) -> Array:
-        depth, count = self.ORDERS[level]
-        x, w = graded(depth, count)
+    def albedo(self, mu: Array, level: int, lobe: str) -> Estimate:
+        rule = graded(*self.ORDERS[level])
+        x, width = jnp.asarray(rule.nodes), jnp.asarray(rule.widths)
         theta_o = jnp.arccos(jnp.clip(mu, 0.0, 1.0))
         wo = jnp.stack([jnp.sin(theta_o), jnp.zeros_like(mu), mu])
-        # theta_i in [0, theta_o] and [theta_o, pi/2], both graded towards theta_o.
-        below, above = theta_o * x, (0.5 * jnp.pi - theta_o) * x
-        theta = jnp.concatenate([theta_o - below, theta_o + above])
-        w_theta = jnp.concatenate([theta_o * w, (0.5 * jnp.pi - theta_o) * w])
-        phi = np.pi * np.concatenate([1.0 + x, 1.0 - x])
-        w_phi = np.pi * np.concatenate([w, w])
-        sin, cos = jnp.sin(theta), jnp.cos(theta)
+        # theta_i in [0, theta_o] and [theta_o, pi/2], phi in [0, pi] and [pi, 2 pi]: graded towards
+        # theta_o and pi.
+        below, above = theta_o, 0.5 * jnp.pi - theta_o
+        theta = jnp.concatenate([theta_o - below * x, theta_o + above * x])
+        w_theta = jnp.concatenate([below * width, above * width]) * jnp.sin(theta) * jnp.cos(theta)
+        phi = jnp.pi * jnp.concatenate([1.0 + x, 1.0 - x])
+        w_phi = jnp.pi * jnp.concatenate([width, width])
 
-        def side(sign: float) -> Array:
-            def value(sin_i: Array, cos_i: Array, p: Array) -> Array:
-                return self.f(wo, jnp.stack([sin_i * jnp.cos(p), sin_i * jnp.sin(p), sign * cos_i]))
+        def side(sign: float) -> Estimate:
+            def value(t: Array, p: Array) -> Array:
+                sin = jnp.sin(t)
+                wi = jnp.stack([sin * jnp.cos(p), sin * jnp.sin(p), sign * jnp.cos(t)])
+                return self.f(wo, wi)
 
-            over_phi = jax.vmap(value, (None, None, 0))
-            values = jax.vmap(over_phi, (0, 0, None))(sin, cos, jnp.asarray(phi))
-            return (w_theta * sin * cos) @ (values @ w_phi)
+            values = jax.vmap(jax.vmap(value, (None, 0)), (0, None))(theta, phi)
+            return integrate(values * w_theta[:, None] * w_phi, rule, rule)
 
-        if lobe == "reflection" or (lobe == "all" and not self.transmissive):
-            return side(1.0)
-        if not self.transmissive:
-            return jnp.zeros_like(mu)
-        return side(-1.0) if lobe == "transmission" else side(1.0) + side(-1.0)
+        none = Estimate(jnp.zeros_like(mu), jnp.zeros_like(mu))
+        reflected = none if lobe == "transmission" else side(1.0)
+        transmitted = none if lobe == "reflection" or not self.transmissive else side(-1.0)
+        return jax.tree.map(jnp.add, reflected, transmitted)

@@ -30,8 +30,8 @@ def directional_albedo(
         model: a BSDF or a registered name.
         lobe: "all", "reflection" or "transmission".
         transport: "energy" or "radiance".
-        level: level of the model's measure; the middle one by default (for microfacet reflection an
-            error below 1e-8 on mu >= 0.02, r >= 0.035). `ecfit.tabulate` refines and estimates errors.
+        level: level of the model's measure; by default one that is good to about 1e-8 for microfacet
+            reflection. `ecfit.tabulate` refines and estimates errors.
         coordinates: `mu` in [0, 1], and any parameters of the model, in any view (`r` or `alpha`, ...).
             Arrays broadcast; parameters not given keep the model's values.
 
@@ -44,7 +44,7 @@ def directional_albedo(
         raise EcfitError("directional_albedo needs the coordinate mu")
     count = len(quantity.nodes(bsdf))
     if level is None:
-        level = count // 2
+        level = bsdf.measure().default_level
     if not 0 <= level < count:
         raise EcfitError(f"level must be in 0..{count - 1}, got {level}")
     given: dict[str, Array] = {}
@@ -64,7 +64,7 @@ def _albedo(bsdf: BSDF, quantity: DirectionalAlbedo, level: int, flat: dict[str,
         mu = point["mu"]
         return quantity.estimate(
             bsdf.with_parameters({n: v for n, v in point.items() if n != "mu"}), mu, level
-        )
+        ).value
 
     if flat["mu"].size <= _BATCH:
         return jax.vmap(one)(flat)

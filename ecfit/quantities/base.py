@@ -9,7 +9,8 @@ from ecfit._jax import jax, jnp
 from ecfit.bsdf import BSDF
 from ecfit.contract import LOBES, TRANSPORTS
 from ecfit.errors import unknown
-from ecfit.quadrature import gauss_legendre
+from ecfit.quadrature import Estimate
+from ecfit.quadrature.rules import graded, integrate_line
 
 Array = jax.Array
 
@@ -38,19 +39,19 @@ class Quantity(eqx.Module):
         """Evaluations of the BSDF an entry at each level: what sizes the blocks in memory."""
 
     @abc.abstractmethod
-    def estimate(self, model: BSDF, mu: Array, level: int) -> Array:
+    def estimate(self, model: BSDF, mu: Array, level: int) -> Estimate:
         """The quantity at one point by the rules of one level (static); mu is ignored where unused."""
 
-    def directional(self, model: BSDF, mu: Array, level: int) -> Array:
+    def directional(self, model: BSDF, mu: Array, level: int) -> Estimate:
         """The directional albedo of the chosen lobe in the chosen transport."""
         measure = model.measure()
         if self.transport == "radiance" or not model.transmissive or self.lobe == "reflection":
             return measure.albedo(mu, level, self.lobe)
         eta = model.eta()
-        transmitted = eta * eta * measure.albedo(mu, level, "transmission")
+        transmitted = jax.tree.map(lambda v: eta * eta * v, measure.albedo(mu, level, "transmission"))
         if self.lobe == "transmission":
             return transmitted
-        return measure.albedo(mu, level, "reflection") + transmitted
+        return jax.tree.map(jnp.add, measure.albedo(mu, level, "reflection"), transmitted)
 
 
 class DirectionalAlbedo(Quantity):
@@ -61,7 +62,7 @@ class DirectionalAlbedo(Quantity):
     def nodes(self, model: BSDF) -> tuple[int, ...]:
         return model.measure().levels
 
-    def estimate(self, model: BSDF, mu: Array, level: int) -> Array:
+    def estimate(self, model: BSDF, mu: Array, level: int) -> Estimate:
         return self.directional(model, mu, level)
 
 
@@ -75,11 +76,14 @@ class AverageAlbedo(Quantity):
     def nodes(self, model: BSDF) -> tuple[int, ...]:
         return tuple(n * self._count(i) for i, n in enumerate(model.measure().levels))
 
-    def estimate(self, model: BSDF, mu: Array, level: int) -> Array:
+    def estimate(self, model: BSDF, mu: Array, level: int) -> Estimate:
         # mu = t^2: E changes fastest within mu ~ alpha of grazing.
-        t, w = gauss_legendre(self._count(level))
-        albedo = jax.vmap(lambda m: self.directional(model, m, level))(jnp.asarray(t * t))
-        return jnp.dot(jnp.asarray(4.0 * w * t**3), albedo)
+        rule = graded(0, self._count(level))
+        t = jnp.asarray(rule.nodes)
+        albedo = jax.vmap(lambda m: self.directional(model, m, level))(t * t)
+        weight = 4.0 * t**3
+        average = integrate_line(weight * albedo.value, rule)
+        return Estimate(average.value, average.error + jnp.asarray(rule.weights) @ (weight * albedo.error))
 
 
 _QUANTITIES: dict[str, type[Quantity]] = {

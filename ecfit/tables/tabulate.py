@@ -16,6 +16,7 @@ from ecfit.bsdf.registry import name_of
 from ecfit.contract import Contract
 from ecfit.coordinates import Axis, Grid
 from ecfit.errors import EcfitError
+from ecfit.quadrature import Estimate
 from ecfit.quadrature.refine import in_blocks, refine
 from ecfit.quantities import Quantity, parameter_map, quantity
 from ecfit.tables.table import Table
@@ -144,7 +145,7 @@ class Request:
         maps = {n: parameter_map(self.model, self.quantity, n) for n in names}
         nodes = self.quantity.nodes(self.model)
 
-        def evaluate(level: int, index: np.ndarray) -> np.ndarray:
+        def evaluate(level: int, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             points = self.grid.nodes_at(index)
             arrays = [np.asarray(maps[n][1].forward(points[n])) for n in names]
             parameters = tuple(maps[n][0] for n in names)
@@ -153,7 +154,8 @@ class Request:
                 lambda *a: _evaluate(self.model, self.quantity, parameters, level, a), arrays, block
             )
 
-        done = refine(evaluate, self.grid.size, len(nodes), self.tolerance, progress)
+        confirm = self.model.measure().confirm
+        done = refine(evaluate, self.grid.size, len(nodes), self.tolerance, confirm, progress)
         shape = self.grid.shape
         provenance = {**versions(), "key": self.key}
         return Table(
@@ -170,8 +172,8 @@ class Request:
 @eqx.filter_jit
 def _evaluate(
     model: BSDF, quantity_: Quantity, parameters: tuple[str, ...], level: int, arrays: tuple[Array, ...]
-) -> Array:
-    def one(*values: Array) -> Array:
+) -> Estimate:
+    def one(*values: Array) -> Estimate:
         point = dict(zip(parameters, values, strict=True))
         mu = point.pop("mu", jnp.asarray(1.0))
         return quantity_.estimate(model.with_parameters(point), mu, level)
