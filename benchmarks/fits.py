@@ -1,0 +1,73 @@
+"""Time and error of the rational fit of degree 3: Sforza & Pellacini 2022 against ecfit, in one run.
+
+    pip install -e '.[bench]'
+    python benchmarks/fits.py            # tables of 64 x 64 and 1024 x 1024, about two minutes
+    python benchmarks/fits.py --quick    # 64 x 64 only
+
+Both fit the same table. ecfit's first fit of each size includes compilation ("cold"); SciPy compiles nothing.
+"""
+
+from typing import NamedTuple
+
+import common
+import numpy as np
+import paper_method
+from common import Timing, show, timed
+
+import ecfit
+
+
+class Result(NamedTuple):
+    """One fit: how long it took and how good it is."""
+
+    name: str
+    timing: Timing
+    rmse: float
+    mae: float
+    max_error: float
+    note: str = ""
+
+    def row(self) -> list[str]:
+        numbers = (f"{v:.4e}" for v in (self.rmse, self.mae, self.max_error))
+        return [self.name, f"{self.timing.wall:.3f}", f"{self.timing.cpu:.3f}", *numbers]
+
+
+def by_paper(table: ecfit.Table) -> Result:
+    """`curve_fit` on the nominal coordinates."""
+    nodes = table.grid.nominal_at(np.arange(table.values.size))
+    values = table.values.ravel()
+    fitted, timing = timed(lambda: paper_method.fit(nodes["r"], nodes["mu"], values))
+    e = np.abs(fitted - values)
+    return Result(
+        "curve_fit from ones", timing, float(np.sqrt(np.mean(e * e))), float(e.mean()), float(e.max())
+    )
+
+
+def by_ecfit(table: ecfit.Table, name: str) -> Result:
+    """`ecfit.fit`, with all that it checks."""
+    found, timing = timed(lambda: ecfit.fit(table, ecfit.Rational(degree=3)))
+    note = f"{found.status} in {found.iterations} iterations"
+    return Result(f"ecfit, {name}", timing, found.rmse, found.mae, found.max_error, note)
+
+
+def compare(count: int) -> None:
+    """Fit one table by both methods and print the outcome."""
+    table = common.clamped_table(count)
+    paper, cold, warm = by_paper(table), by_ecfit(table, "cold"), by_ecfit(table, "warm")
+    show(
+        f"Rational of degree 3 on the {count} x {count} clamped conductor table",
+        ["method", "wall s", "CPU s", "RMSE", "MAE", "max error"],
+        [result.row() for result in (paper, cold, warm)],
+    )
+    wall, cpu = paper.timing.wall / warm.timing.wall, paper.timing.cpu / warm.timing.cpu
+    print(f"  ecfit: {warm.note}; warm, {wall:.3g} times less wall time and {cpu:.3g} times less CPU time")
+    print(f"  peak resident memory so far: {common.peak_memory():.0f} MB")
+
+
+def main() -> None:
+    for count in (64,) if common.wants_quick(__doc__) else (64, 1024):
+        compare(count)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,108 @@
+"""The terms of a quotient P / Q of polynomials: exponents that give a coefficient vector its meaning."""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ecfit._jax import jnp
+from ecfit.errors import EcfitError
+
+# A JAX or a NumPy array: only indexing and arithmetic are used where both come.
+Array = Any
+
+
+def total_degree(variables: int, degree: int) -> np.ndarray:
+    """Exponents of all monomials of total degree <= `degree`, shape (terms, variables), int.
+
+    Graded, then lexicographic: 1, x, y, x2, xy, y2, ... (the order of Sforza & Pellacini 2022, eq. 24).
+    """
+    rows = [
+        [combination.count(v) for v in range(variables)]
+        for k in range(degree + 1)
+        for combination in itertools.combinations_with_replacement(range(variables), k)
+    ]
+    return np.array(rows, dtype=np.int64)
+
+
+def monomials(exponents: np.ndarray, powers: Sequence[Array]) -> Array:
+    """Products of tabulated powers (or other one-variable bases), shape (..., terms).
+
+    `powers[v]` has shape (..., highest exponent + 1): column k holds the k-th basis function of variable v.
+    """
+    product = powers[0][..., exponents[:, 0]]
+    for v in range(1, exponents.shape[1]):
+        product = product * powers[v][..., exponents[:, v]]
+    return product
+
+
+def plain_powers(x: Array, highest: int) -> Array:
+    """1, x, x^2, ..., x^highest in a new last axis."""
+    columns = [jnp.ones_like(x)]
+    for _ in range(highest):
+        columns.append(columns[-1] * x)
+    return jnp.stack(columns, axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class Terms:
+    """Exponents of the numerator and of the denominator; the denominator's constant 1 is implied.
+
+    Attributes:
+        numerator: int, shape (p, variables).
+        denominator: int, shape (q, variables), without the constant; q = 0 for a polynomial.
+    """
+
+    numerator: np.ndarray
+    denominator: np.ndarray
+
+    def __post_init__(self) -> None:
+        for name in ("numerator", "denominator"):
+            try:
+                given = np.asarray(getattr(self, name))
+                array = given.astype(np.int64)
+                exact = array.ndim == 2 and bool(np.all(array == given))
+            except (TypeError, ValueError, OverflowError):
+                exact = False
+            if not exact or np.any(array < 0) or np.any(array > 100):
+                raise EcfitError(f"{name}: exponents must be a matrix of integers in 0..100")
+            if len({tuple(row) for row in array.tolist()}) < len(array):
+                raise EcfitError(f"{name}: an exponent row repeats")
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        if self.numerator.shape[0] == 0 or self.numerator.shape[1] == 0:
+            raise EcfitError("numerator: needs at least one term")
+        if self.numerator.shape[1] != self.denominator.shape[1]:
+            raise EcfitError("numerator and denominator differ in the number of variables")
+        if np.any(np.all(self.denominator == 0, axis=1)):
+            raise EcfitError("denominator: its constant is 1 by convention and not a term")
+
+    @property
+    def variables(self) -> int:
+        return self.numerator.shape[1]
+
+    @property
+    def count(self) -> int:
+        """Number of free coefficients."""
+        return len(self.numerator) + len(self.denominator)
+
+    @property
+    def highest(self) -> int:
+        """Highest exponent of any variable."""
+        return int(max(self.numerator.max(initial=0), self.denominator.max(initial=0)))
+
+    def split(self, coefficients: Array) -> tuple[Array, Array]:
+        """Coefficients of the numerator and of the denominator (without its 1)."""
+        return coefficients[: len(self.numerator)], coefficients[len(self.numerator) :]
+
+    def parts(self, coefficients: Array, points: Sequence[Array]) -> tuple[Array, Array]:
+        """P and Q at points given as one array a variable (they broadcast)."""
+        arrays = jnp.broadcast_arrays(*(jnp.asarray(p) for p in points))
+        powers = [plain_powers(a, self.highest) for a in arrays]
+        a, b = self.split(jnp.asarray(coefficients))
+        numerator = monomials(self.numerator, powers) @ a
+        if not len(self.denominator):
+            return numerator, jnp.ones_like(numerator)
+        return numerator, 1.0 + monomials(self.denominator, powers) @ b
