@@ -30,7 +30,7 @@ STATUSES = {
 # (docs/performance.md). Smaller tables are used whole.
 _SEARCH_NODES = {1: 1024, 2: 72, 3: 24}
 _POLISH_NODES = {1: 4096, 2: 256, 3: 40}
-_POLISH_STEPS = 50
+_POLISH_STEPS = 200
 # A barrier of this part of the start's RMS residual, then a tenth of it, leads round the poles at which a
 # plain descent would stop; without effect on the minimum, since the last descent has none.
 _BARRIERS = (0.1, 0.01)
@@ -185,8 +185,8 @@ class Fitter:
                 solution = linear_solution(problem)
             else:
                 fine = problem.thinned(_POLISH_NODES.get(terms.variables, 12))
-                solution = solve(fine, (solution.p, solution.q), rtol=1e-7, max_steps=_POLISH_STEPS)
-            steps += solution.steps
+                solution = solve(fine, (solution.p, solution.q), rtol=1e-5, max_steps=_POLISH_STEPS)
+                steps += solution.steps
         approximation, smallest = self._in_monomials(solution, problem, form, label)
         return Fit(
             approximation,

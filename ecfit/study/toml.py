@@ -1,0 +1,161 @@
+"""Where each key of a TOML text stands, for error messages; and TOML written from plain data."""
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+Path = tuple[str | int, ...]
+
+# One token of TOML: what can hide brackets and equals signs (strings, comments) comes first.
+_TOKEN = re.compile(
+    r'(?P<string>"""(?:\\.|[^\\])*?"""|\'\'\'.*?\'\'\'|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\')'
+    r"|(?P<comment>#[^\n]*)|(?P<newline>\n)|(?P<mark>\[\[|\]\]|[\[\]{},=.])|(?P<bare>[^\s\[\]{},=.#\"']+)",
+    re.DOTALL,
+)
+
+
+def _tokens(text: str) -> Iterator[tuple[str, str, int]]:
+    line = 1
+    for match in _TOKEN.finditer(text):
+        kind, value = match.lastgroup or "", match.group()
+        yield kind, value, line
+        line += value.count("\n")
+
+
+def _unquoted(kind: str, value: str) -> str:
+    return value.strip("\"'") if kind == "string" else value
+
+
+class _Locator:
+    """Walks the tokens of a valid TOML text and notes the line of every key."""
+
+    def __init__(self, text: str) -> None:
+        self.tokens = [t for t in _tokens(text) if t[0] != "comment"]
+        self.at = 0
+        self.lines: dict[Path, int] = {}
+        self.arrays: dict[Path, int] = {}
+
+    def peek(self) -> str:
+        return self.tokens[self.at][1] if self.at < len(self.tokens) else ""
+
+    def take(self) -> tuple[str, str, int]:
+        token = self.tokens[self.at]
+        self.at += 1
+        return token
+
+    def key(self) -> tuple[list[str], int]:
+        parts, line = [], self.tokens[self.at][2]
+        while self.peek() not in ("=", "]", "]]", ""):
+            kind, value, _ = self.take()
+            if value != ".":
+                parts.append(_unquoted(kind, value))
+        return parts, line
+
+    def note(self, path: Path, line: int) -> None:
+        for depth in range(1, len(path) + 1):
+            self.lines.setdefault(path[:depth], line)
+
+    def header(self) -> Path:
+        _, opening, _ = self.take()
+        parts, line = self.key()
+        self.take()
+        path: Path = ()
+        for i, part in enumerate(parts):
+            path = (*path, part)
+            if opening == "[[" and i == len(parts) - 1:
+                self.arrays[path] = self.arrays.get(path, -1) + 1
+            if path in self.arrays:
+                path = (*path, self.arrays[path])
+        self.note(path, line)
+        return path
+
+    def value(self, path: Path) -> None:
+        opening = self.peek()
+        if opening in ("[", "[["):
+            # `[[` inside a value is an array in an array.
+            self.take()
+            index = 0
+            inner = (*path, 0) if opening == "[[" else path
+            depth = 2 if opening == "[[" else 1
+            while depth:
+                token = self.peek()
+                if token in ("]", "]]"):
+                    depth -= len(token)
+                    self.take()
+                elif token == ",":
+                    index += 1
+                    self.take()
+                elif token == "\n":
+                    self.take()
+                else:
+                    self.note((*inner, index), self.tokens[self.at][2])
+                    self.value((*inner, index))
+        elif opening == "{":
+            self.take()
+            while self.peek() != "}":
+                if self.peek() in (",", "\n"):
+                    self.take()
+                    continue
+                self.pair(path)
+            self.take()
+        else:
+            while self.peek() not in (",", "\n", "]", "]]", "}", ""):
+                self.take()
+
+    def pair(self, table: Path) -> None:
+        parts, line = self.key()
+        self.take()  # the equals sign
+        path = (*table, *parts)
+        self.note(path, line)
+        self.value(path)
+
+    def run(self) -> dict[Path, int]:
+        table: Path = ()
+        while self.at < len(self.tokens):
+            token = self.peek()
+            if token == "\n":
+                self.take()
+            elif token in ("[", "[["):
+                table = self.header()
+            else:
+                self.pair(table)
+        return self.lines
+
+
+def key_lines(text: str) -> dict[Path, int]:
+    """Path of each key of a valid TOML text -> its line, counted from 1; array elements by index."""
+    try:
+        return _Locator(text).run()
+    except IndexError:  # a construct that this walk does not know: messages then lack the line
+        return {}
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{_key(k)} = {_value(v)}" for k, v in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(_value(v) for v in value) + "]"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _key(key: str) -> str:
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else json.dumps(key)
+
+
+def to_toml(data: Mapping[str, Any]) -> str:
+    """TOML text of plain data: lists of mappings become arrays of tables, mappings become tables."""
+    plain, tables = [], []
+    for key, value in data.items():
+        if isinstance(value, list) and value and all(isinstance(v, Mapping) for v in value):
+            for item in value:
+                tables.append(f"\n[[{_key(key)}]]")
+                tables += [f"{_key(k)} = {_value(v)}" for k, v in item.items()]
+        elif isinstance(value, Mapping):
+            tables.append(f"\n[{_key(key)}]")
+            tables += [f"{_key(k)} = {_value(v)}" for k, v in value.items()]
+        else:
+            plain.append(f"{_key(key)} = {_value(value)}")
+    return "\n".join([*plain, *tables]) + "\n"
