@@ -5,7 +5,7 @@
     python benchmarks/tables.py --quick    # small, to see that it works
 
 A random sample of the table's entries is computed by the paper's method; ecfit computes the whole table.
-True errors are against an adaptive integral that shares nothing with ecfit (benchmarks/reference.py).
+True errors are against an adaptive integral that uses none of ecfit's code (benchmarks/reference.py).
 """
 
 from typing import NamedTuple
@@ -23,7 +23,7 @@ from ecfit.quantities import DirectionalAlbedo
 Array = np.ndarray
 
 SEED = 20220701
-# The default, and one at which ecfit is as accurate as the paper's method.
+# The default, and one that puts ecfit's errors below those of the paper's method.
 TOLERANCES = (1e-7, 1e-10)
 LEVELS = range(5)
 

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from ecfit._jax import jax
 from ecfit.approximation import Approximation
 from ecfit.errors import EcfitError
 from ecfit.tables import Table
@@ -49,14 +48,15 @@ class Errors:
 
 
 def _in_blocks(approximation: Approximation, points: list[np.ndarray]) -> np.ndarray:
-    evaluate = jax.jit(approximation.at)
-    count = points[0].size
-    out = np.empty(count)
-    for start in range(0, count, _BLOCK):
-        piece = [p[start : start + _BLOCK] for p in points]
-        rows = piece[0].size
-        piece = [np.pad(p, (0, min(_BLOCK, count) - rows), mode="edge") for p in piece]
-        out[start : start + rows] = np.asarray(evaluate(piece))[:rows]
+    """Values at flat arrays of points, in NumPy: a compilation for each fit would cost more."""
+    out = np.empty(points[0].size)
+    for start in range(0, out.size, _BLOCK):
+        part = slice(start, start + _BLOCK)
+        numerator, denominator = approximation.terms.parts(
+            approximation.coefficients, [p[part] for p in points]
+        )
+        with np.errstate(divide="ignore", invalid="ignore"):
+            out[part] = numerator / denominator
     return out
 
 

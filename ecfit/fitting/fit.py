@@ -8,6 +8,7 @@ import numpy as np
 
 from ecfit._jax import jax
 from ecfit.approximation import Approximation
+from ecfit.coordinates import Grid
 from ecfit.errors import EcfitError
 from ecfit.files import read_json, write_json
 from ecfit.fitting.problem import Problem
@@ -30,11 +31,11 @@ STATUSES = {
 # (docs/performance.md). Smaller tables are used whole.
 _SEARCH_NODES = {1: 1024, 2: 72, 3: 24}
 _POLISH_NODES = {1: 4096, 2: 256, 3: 40}
-_POLISH_STEPS = 200
 # A barrier of this part of the start's RMS residual, then a tenth of it, leads round the poles at which a
-# plain descent would stop; without effect on the minimum, since the last descent has none.
+# plain descent would stop; without effect on the minimum, since the last descent has none. Denominators of
+# fewer coefficients than this reach one minimum from every start and need none (conductor, degree 1 to 5).
 _BARRIERS = (0.1, 0.01)
-_BARRIER_STEPS = 150
+_BARRIER_TERMS = 21
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +177,8 @@ class Fitter:
             )
         table, label = self.table, name or f"{form.name} {form.degree}"
         terms = form.terms(len(table.axes))
-        _check_data(table, terms, form)
+        _check_finite(table)
+        check_data(table.grid, form)
         searched, solution, tried = self._search(form)
         steps = solution.steps
         problem = Problem.of_table(table, terms)
@@ -185,7 +187,7 @@ class Fitter:
                 solution = linear_solution(problem)
             else:
                 fine = problem.thinned(_POLISH_NODES.get(terms.variables, 12))
-                solution = solve(fine, (solution.p, solution.q), rtol=1e-5, max_steps=_POLISH_STEPS)
+                solution = solve(fine, (solution.p, solution.q), rtol=1e-5, max_steps=self.max_steps)
                 steps += solution.steps
         approximation, smallest = self._in_monomials(solution, problem, form, label)
         return Fit(
@@ -221,13 +223,14 @@ class Fitter:
             coarse, solution, _ = self._search(coarser)
             start = embedded(problem, coarse, (solution.p, solution.q))
             starts.append(start)
-            found.append(self._around_poles(problem, start))
+            if len(problem.terms.denominator) >= _BARRIER_TERMS:
+                found.append(self._around_poles(problem, start))
         return found + [solve(problem, start, max_steps=self.max_steps) for start in starts]
 
     def _around_poles(self, problem: Problem, start: tuple[np.ndarray, np.ndarray]) -> Solution:
         rms = mean_square(problem, *start) ** 0.5
         for barrier in _BARRIERS:
-            solution = solve(problem, start, barrier=barrier * rms, rtol=1e-4, max_steps=_BARRIER_STEPS)
+            solution = solve(problem, start, barrier=barrier * rms, rtol=1e-4, max_steps=self.max_steps)
             start = solution.p, solution.q
         return solve(problem, start, max_steps=self.max_steps)
 
@@ -270,22 +273,27 @@ def fit(table: Table, form: Form, *, name: str | None = None, max_steps: int = 1
     return Fitter(table, max_steps).fit(form, name)
 
 
-def _check_data(table: Table, terms: Terms, form: Form) -> None:
-    bad = int(np.count_nonzero(~table.usable))
-    if bad:
-        raise EcfitError(
-            f"the table has {bad} of {table.values.size} entries that are NaN or infinite: "
-            "change its axes so that they are finite before fitting"
-        )
-    if table.values.size < terms.count:
+def check_data(grid: Grid, form: Form) -> None:
+    """Raise `EcfitError` unless a table on `grid` determines the coefficients of `form`."""
+    terms = form.terms(len(grid.axes))
+    if grid.size < terms.count:
         raise EcfitError(
             f"{form.name} of degree {form.degree} has {terms.count} coefficients, but the table only "
-            f"{table.values.size} entries: lower the degree or refine the axes"
+            f"{grid.size} entries: lower the degree or refine the axes"
         )
-    for v, axis in enumerate(table.axes):
+    for v, axis in enumerate(grid.axes):
         highest = int(max(terms.numerator[:, v].max(), terms.denominator[:, v].max(initial=0)))
         if highest >= len(axis):
             raise EcfitError(
                 f"{form.name} of degree {form.degree} needs more than {highest} nodes on axis '{axis.name}', "
                 f"which has {len(axis)}: lower the degree or refine the axis"
             )
+
+
+def _check_finite(table: Table) -> None:
+    bad = int(np.count_nonzero(~table.usable))
+    if bad:
+        raise EcfitError(
+            f"the table has {bad} of {table.values.size} entries that are NaN or infinite: "
+            "change its axes so that they are finite before fitting"
+        )

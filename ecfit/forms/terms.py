@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ecfit._jax import jnp
+from ecfit._jax import jax, jnp
 from ecfit.errors import EcfitError
 
 # A JAX or a NumPy array: only indexing and arithmetic are used where both come.
@@ -38,12 +38,32 @@ def monomials(exponents: np.ndarray, powers: Sequence[Array]) -> Array:
     return product
 
 
-def plain_powers(x: Array, highest: int) -> Array:
-    """1, x, x^2, ..., x^highest in a new last axis."""
-    columns = [jnp.ones_like(x)]
-    for _ in range(highest):
+def polynomial(coefficients: Array, exponents: np.ndarray, points: Sequence[Array]) -> Array:
+    """sum_k coefficients[k] x^exponents[k] at points given as one array a variable, all of one shape.
+
+    NumPy in, NumPy out; otherwise JAX. Contracts one variable after the other, which costs far less than
+    a column for each monomial.
+    """
+    xp = jnp if any(isinstance(a, jax.Array) for a in (coefficients, *points)) else np
+    sizes = exponents.max(axis=0) + 1
+    flat = np.ravel_multi_index(tuple(exponents.T), tuple(sizes))
+    place = np.zeros((len(exponents), int(np.prod(sizes))))
+    place[np.arange(len(exponents)), flat] = 1.0
+    shape = points[0].shape
+    dense = coefficients @ place  # the dense tensor of coefficients, first variable slowest
+    value = _powers(xp, points[0], int(sizes[0])) @ dense.reshape(int(sizes[0]), -1)
+    for size, x in zip(sizes[1:], points[1:], strict=True):
+        powers = _powers(xp, x, int(size))
+        value = (powers[..., None] * value.reshape(*shape, int(size), -1)).sum(axis=-2)
+    return value[..., 0]
+
+
+def _powers(xp: Any, x: Array, count: int) -> Array:
+    """1, x, ..., x^(count - 1) in a new last axis."""
+    columns = [xp.ones_like(x)]
+    for _ in range(count - 1):
         columns.append(columns[-1] * x)
-    return jnp.stack(columns, axis=-1)
+    return xp.stack(columns, axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,11 +118,11 @@ class Terms:
         return coefficients[: len(self.numerator)], coefficients[len(self.numerator) :]
 
     def parts(self, coefficients: Array, points: Sequence[Array]) -> tuple[Array, Array]:
-        """P and Q at points given as one array a variable (they broadcast)."""
-        arrays = jnp.broadcast_arrays(*(jnp.asarray(p) for p in points))
-        powers = [plain_powers(a, self.highest) for a in arrays]
-        a, b = self.split(jnp.asarray(coefficients))
-        numerator = monomials(self.numerator, powers) @ a
+        """P and Q at points given as one array a variable (they broadcast); NumPy in, NumPy out."""
+        xp = jnp if any(isinstance(a, jax.Array) for a in (coefficients, *points)) else np
+        arrays = xp.broadcast_arrays(*(xp.asarray(p, dtype=np.float64) for p in points))
+        a, b = self.split(xp.asarray(coefficients))
+        numerator = polynomial(a, self.numerator, arrays)
         if not len(self.denominator):
-            return numerator, jnp.ones_like(numerator)
-        return numerator, 1.0 + monomials(self.denominator, powers) @ b
+            return numerator, xp.ones_like(numerator)
+        return numerator, 1.0 + polynomial(b, self.denominator, arrays)

@@ -100,9 +100,11 @@ def integrate_line(values: Array, rule: Rule) -> Estimate:
 def integrate(values: Array, outer: Rule, inner: Rule) -> Estimate:
     """Integral over the unit square with an error estimate.
 
-    `values` has shape (outer nodes, inner nodes): the integrand times the panel widths of both rules.
+    `values` has shape (outer nodes, inner nodes): the integrand times the panel widths of both rules, for
+    one or more copies of each rule side by side.
     """
     over_inner, high, low = _bands(values, inner.count)
     line = integrate_line(over_inner, outer)
-    w = jnp.asarray(outer.weights / outer.widths)
+    panels = over_inner.shape[0] // outer.count
+    w = jnp.asarray(np.tile(gauss_legendre(outer.count)[1], panels))
     return Estimate(line.value, line.error + jax.lax.stop_gradient(_tail(w @ high, w @ low)))

@@ -30,13 +30,22 @@ NUMERICS_VERSION = 1
 _BLOCK_VALUES = 2**19
 
 
-def default_range(model: BSDF, quantity_: Quantity, name: str) -> tuple[float, float]:
-    """The full range of a coordinate: [0, 1] for mu, the parameter's range in that view otherwise."""
+def default_range(
+    model: BSDF,
+    quantity_: Quantity,
+    name: str,
+    given: tuple[float | None, float | None] = (None, None),
+) -> tuple[float, float]:
+    """The full range of a coordinate: [0, 1] for mu, the parameter's range in that view otherwise.
+
+    `given` ends replace those of the full range. Raises `EcfitError` where an end is then infinite.
+    """
     parameter, map_ = parameter_map(model, quantity_, name)
     if parameter in quantity_.coordinates:
-        return 0.0, 1.0
-    low, high = model.parameter_ranges()[parameter]
-    low, high = (float(map_.inverse(v)) if np.isfinite(v) else v for v in (low, high))
+        ends = [0.0, 1.0]
+    else:
+        ends = [float(map_.inverse(v)) for v in model.parameter_ranges()[parameter]]
+    low, high = (full if end is None else end for full, end in zip(ends, given, strict=True))
     if not np.isfinite(low) or not np.isfinite(high):
         raise EcfitError(f"axis '{name}' has no finite full range [{low:g}, {high:g}]: give low and high")
     return low, high
