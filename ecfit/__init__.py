@@ -4,7 +4,6 @@ Public names are imported on first use, so that `import ecfit` (and `ecfit --hel
 """
 
 from importlib import import_module
-from importlib.metadata import version as _version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -56,11 +55,14 @@ _HOME = {
     "tabulate": "ecfit.tables",
 }
 
-__version__ = _version("ecfit")
 __all__ = [*_HOME, "__version__"]  # pyright: ignore[reportUnsupportedDunderAll]
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":  # reading the metadata takes 40 ms: only on request
+        from importlib.metadata import version
+
+        return version("ecfit")
     if name not in _HOME:
         raise AttributeError(f"module 'ecfit' has no attribute '{name}'")
     value = getattr(import_module(_HOME[name]), name)

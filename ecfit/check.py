@@ -44,9 +44,7 @@ class BSDFCheck:
     def __str__(self) -> str:
         width = max(len(f.name) for f in self.findings)
         lines = [f"{self.model}: {'passed' if self.passed else 'FAILED'}"]
-        lines += [
-            f"  {'ok  ' if f.passed else 'FAIL'}  {f.name:<{width}}  {f.detail}" for f in self.findings
-        ]
+        lines += [f"  {'ok  ' if f.passed else 'FAIL'}  {f.name:<{width}}  {f.detail}" for f in self.findings]
         return "\n".join(lines)
 
 
@@ -79,7 +77,7 @@ def _at(index: int, settings: dict[str, float], wo: np.ndarray, wi: np.ndarray) 
     return f"wo = {o}, wi = {i}" + (f", {parameters}" if parameters else "")
 
 
-def check_bsdf(model: BSDF | str, *, samples: int = 500, seed: int = 0) -> BSDFCheck:
+def check_bsdf(model: BSDF | type[BSDF] | str, *, samples: int = 500, seed: int = 0) -> BSDFCheck:
     """Check a model: shape, finite, non-negative, reciprocal, energy, side, jit / vmap / grad.
 
     Args:
@@ -115,7 +113,9 @@ def _runs(bsdf: BSDF, wo: np.ndarray, wi: np.ndarray) -> Finding:
     try:
         plain = np.asarray(bsdf.f(jnp.asarray(wo[0]), jnp.asarray(wi[0])))
         if plain.shape != () or not np.issubdtype(plain.dtype, np.floating):
-            return Finding(name, False, f"f must return a real scalar, got {plain.dtype} of shape {plain.shape}")
+            return Finding(
+                name, False, f"f must return a real scalar, got {plain.dtype} of shape {plain.shape}"
+            )
         vectorised = np.asarray(jax.jit(jax.vmap(bsdf.f))(wo, wi))
     except EcfitError:
         raise
@@ -245,7 +245,7 @@ def _exact(bsdf: BSDF, settings: list[dict[str, float]]) -> Finding:
     for point in settings:
         made = bsdf.with_parameters({k: jnp.asarray(v) for k, v in point.items()})
         table = tabulate(made, {"mu": mu}, tolerance=1e-9)
-        worst = max(worst, float(np.max(np.abs(np.asarray(made.exact_albedo(jnp.asarray(mu))) - table.values))))
+        worst = max(
+            worst, float(np.max(np.abs(np.asarray(made.exact_albedo(jnp.asarray(mu))) - table.values)))
+        )
     return Finding(name, worst <= 1e-8, f"differs from the integral by {worst:.2g}")
-
-

@@ -10,7 +10,7 @@ from ecfit._jax import jax, jnp
 from ecfit.contract import Contract
 from ecfit.coordinates import resolve
 from ecfit.errors import EcfitError
-from ecfit.forms import Minimum, Terms, minimum
+from ecfit.forms import Minimum, Terms, smallest_denominator
 
 Array = jax.Array
 
@@ -78,10 +78,7 @@ class Approximation:
 
     def smallest_denominator(self) -> Minimum:
         """The minimum of Q over the whole domain (not only on nodes), with a lower bound."""
-        constant = np.zeros((1, self.terms.variables), dtype=np.int64)
-        exponents = np.concatenate([constant, self.terms.denominator])
-        _, b = self.terms.split(self.coefficients)  # type: ignore[arg-type]
-        return minimum(np.concatenate([[1.0], b]), exponents, self.domain)
+        return smallest_denominator(self.terms, self.coefficients, self.domain)
 
     def to_dict(self) -> dict:
         """A JSON-ready dictionary that `from_dict` reads back exactly."""

@@ -20,9 +20,7 @@ def _as_float64(value: Any) -> Any:
 
 def parameter(default: float, low: float, high: float, doc: str) -> Any:
     """A field of a model that can be an axis of a table: a number in [low, high]."""
-    return eqx.field(
-        default=default, converter=_as_float64, metadata={"range": (low, high), "doc": doc}
-    )
+    return eqx.field(default=default, converter=_as_float64, metadata={"range": (low, high), "doc": doc})
 
 
 def option(default: str, choices: tuple[str, ...], doc: str) -> Any:
@@ -74,7 +72,7 @@ class BSDF(eqx.Module):
         for name, choices in self.option_choices().items():
             value = getattr(self, name)
             if value not in choices:
-                raise unknown(f"value of option '{name}'", value, choices)
+                raise unknown(name, value, choices)
 
     @classmethod
     def parameter_ranges(cls) -> dict[str, tuple[float, float]]:

@@ -70,8 +70,8 @@ def name_of(bsdf: BSDF) -> str:
     return type(bsdf).__name__
 
 
-def as_model(bsdf: BSDF | str) -> BSDF:
-    """A model from itself or from its registered name."""
+def as_model(bsdf: BSDF | type[BSDF] | str) -> BSDF:
+    """A model from itself, its class (with its defaults) or its registered name."""
     if isinstance(bsdf, BSDF):
         return bsdf
     if isinstance(bsdf, str):

@@ -103,7 +103,7 @@ class Axis:
         if spacing == "clamped":
             if through != "identity":
                 raise EcfitError(f"axis '{name}': a clamped axis takes no map")
-            if not (0.0 <= low and high <= 1.0):
+            if not (low >= 0.0 and high <= 1.0):
                 raise EcfitError(f"axis '{name}': a clamped axis lies in [0, 1], got [{low}, {high}]")
             nominal = np.linspace(0.0, 1.0, count)
             return cls(name, np.clip(nominal, low, high), nominal, spacing)

@@ -14,7 +14,7 @@ from ecfit.files import read_json, write_json
 from ecfit.fitting.problem import Problem
 from ecfit.fitting.solver import Solution, linear_solution, mean_square, solve
 from ecfit.fitting.start import embedded, polynomial_start, sanathanan_koerner
-from ecfit.forms import Form, Minimum, Terms
+from ecfit.forms import Form, Minimum, Terms, smallest_denominator
 from ecfit.metrics import Errors, measure, prediction_range
 from ecfit.tables import Table
 
@@ -96,11 +96,12 @@ class Fit:
         """One line that says what is wrong, or nothing."""
         if self.status == "pole":
             place = ", ".join(
-                f"{n} = {v:.4g}" for n, v in zip(self.approximation.variables, self.smallest.place, strict=True)
+                f"{n} = {v:.4g}"
+                for n, v in zip(self.approximation.variables, self.smallest.place, strict=True)
             )
             return (
-                f"{self.approximation.name} HAS A POLE: its denominator falls to {self.smallest.value:.3g} at "
-                f"{place}; do not use it, try another degree"
+                f"{self.approximation.name} HAS A POLE: its denominator falls to "
+                f"{self.smallest.value:.3g} at {place}; do not use it, try another degree"
             )
         if self.status == "not-converged":
             return f"{self.approximation.name} DID NOT CONVERGE after {self.iterations} steps"
@@ -187,8 +188,11 @@ class Fitter:
                 solution = linear_solution(problem)
             else:
                 fine = problem.thinned(_POLISH_NODES.get(terms.variables, 12))
-                solution = solve(fine, (solution.p, solution.q), rtol=1e-5, max_steps=self.max_steps)
-                steps += solution.steps
+                polished = solve(fine, (solution.p, solution.q), rtol=1e-5, max_steps=self.max_steps)
+                steps += polished.steps
+                # Last steps that end at a pole are not worth their smaller error.
+                if not _has_pole(fine, polished) or _has_pole(fine, solution):
+                    solution = polished
         approximation, smallest = self._in_monomials(solution, problem, form, label)
         return Fit(
             approximation,
@@ -208,7 +212,8 @@ class Fitter:
             problem = Problem.of_table(self.table, form.terms(len(self.table.axes)))
             problem = problem.thinned(_SEARCH_NODES.get(problem.terms.variables, 10))
             found = self._linear(problem) if form.linear else self._descend(problem, form)
-            self._solved[key] = problem, min(found, key=lambda s: s.sum_of_squares), len(found)
+            best = min(found, key=lambda s: (_has_pole(problem, s), s.sum_of_squares))
+            self._solved[key] = problem, best, len(found)
         return self._solved[key]
 
     def _linear(self, problem: Problem) -> list[Solution]:
@@ -255,6 +260,15 @@ class Fitter:
             contract=self.table.contract,
         )
         return approximation, approximation.smallest_denominator()
+
+
+def _has_pole(problem: Problem, solution: Solution) -> bool:
+    """Whether the denominator may vanish on the domain."""
+    coefficients = problem.plain_coefficients(solution.p, solution.q)
+    return not (
+        np.all(np.isfinite(coefficients))
+        and smallest_denominator(problem.terms, coefficients, problem.domain).bound > 0.0
+    )
 
 
 def fit(table: Table, form: Form, *, name: str | None = None, max_steps: int = 1000) -> Fit:

@@ -49,7 +49,9 @@ def thin(count: int, nodes: int) -> tuple[np.ndarray, np.ndarray]:
         moments = np.polynomial.chebyshev.chebvander(x, degree)
         some = moments[chosen]
         # The smallest relative change of the weights that matches the sums of all moments.
-        change = np.linalg.lstsq((some * weights[:, None]).T, moments.sum(axis=0) - some.T @ weights, rcond=None)
+        change = np.linalg.lstsq(
+            (some * weights[:, None]).T, moments.sum(axis=0) - some.T @ weights, rcond=None
+        )
         matched = weights * (1.0 + change[0])
         if matched.min() > 0.0:
             return chosen, matched
@@ -125,7 +127,7 @@ class Problem:
     def guards(self) -> np.ndarray:
         """Denominator basis on a grid of its own (ends included), where a fit must not change sign."""
         variables = self.terms.variables
-        count = 33 if variables <= 2 else 17
+        count = 65 if variables <= 2 else 17
         axis = -np.cos(np.pi * np.arange(count) / (count - 1))
         powers = np.polynomial.chebyshev.chebvander(axis, self.terms.highest)
         mesh = np.meshgrid(*[np.arange(count)] * variables, indexing="ij")

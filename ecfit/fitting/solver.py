@@ -169,5 +169,3 @@ def mean_square(problem: Problem, p: np.ndarray, q: np.ndarray) -> float:
         denominator = q[0] + monomials(problem.terms.denominator, powers) @ q[1:]
         total += float(problem.weights[part] @ np.square(numerator / denominator - problem.values[part]))
     return total / float(problem.weights.sum())
-
-

@@ -1,7 +1,7 @@
 """Linearised starts for rational fits (Sanathanan & Koerner 1963).
 
-Repeat: minimise the sum of |(P - f Q) / Q_prev|^2 with |Q / Q_prev| = 1. The numerator is eliminated by QR and
-the denominator is the smallest singular vector of what is left.
+Repeat: minimise the sum of |(P - f Q) / Q_prev|^2 with |Q / Q_prev| = 1. The numerator is eliminated by QR
+and the denominator is the smallest singular vector of what is left.
 """
 
 import numpy as np
@@ -27,7 +27,9 @@ def numerator_for(problem: Problem, q: np.ndarray) -> np.ndarray:
     """The best numerator for a given denominator: a linear least-squares problem."""
     columns_p, columns_q = problem.columns
     root = np.sqrt(problem.weights)
-    return np.linalg.lstsq(columns_p * (root / (columns_q @ q))[:, None], root * problem.values, rcond=None)[0]
+    return np.linalg.lstsq(columns_p * (root / (columns_q @ q))[:, None], root * problem.values, rcond=None)[
+        0
+    ]
 
 
 def sanathanan_koerner(problem: Problem) -> list[tuple[np.ndarray, np.ndarray]]:

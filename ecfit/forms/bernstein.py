@@ -8,11 +8,13 @@ to rounding (about 1e-14 of the largest coefficient), not outward rounded.
 import heapq
 import itertools
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cache
 from math import comb
 from typing import NamedTuple
 
 import numpy as np
+
+from ecfit.forms.terms import Terms
 
 
 class Minimum(NamedTuple):
@@ -23,7 +25,7 @@ class Minimum(NamedTuple):
     bound: float
 
 
-@lru_cache(maxsize=None)
+@cache
 def _halves(degree: int) -> tuple[np.ndarray, np.ndarray]:
     """de Casteljau at the midpoint: matrices to the coefficients of the left and of the right half."""
     left = np.array([[comb(i, j) / 2.0**i for j in range(degree + 1)] for i in range(degree + 1)])
@@ -87,7 +89,9 @@ def minimum(
             value = float(tensor[corner])
             if value < best:
                 best = value
-                place = tuple(float(a + w) if c else float(a) for a, w, c in zip(low, width, corner))
+                place = tuple(
+                    float(a + w) if c else float(a) for a, w, c in zip(low, width, corner, strict=True)
+                )
         heapq.heappush(heap, (float(tensor.min()), next(serial), tensor, low, width))
 
     push(tensor, lows, widths)
@@ -106,3 +110,19 @@ def minimum(
         for matrix, origin in zip(_halves(int(degrees[v])), (low, right), strict=True):
             push(_apply(matrix, tensor, v), origin, half)
     return Minimum(best, place, min(heap[0][0], best))
+
+
+def smallest_denominator(
+    terms: Terms, coefficients: np.ndarray, box: Sequence[tuple[float, float]]
+) -> Minimum:
+    """The minimum over a box of a quotient's denominator Q, in units of its constant 1.
+
+    Where Q is negative at the centre of the box it is -Q that is minimised (Q is 1 at the origin, which may
+    lie outside the box): the bound is positive exactly where Q has no zero in the box, up to rounding.
+    """
+    constant = np.zeros((1, terms.variables), dtype=np.int64)
+    exponents = np.concatenate([constant, terms.denominator])
+    q = np.concatenate([[1.0], terms.split(coefficients)[1]])
+    centre = np.array([0.5 * (low + high) for low, high in box])
+    sign = 1.0 if q @ np.prod(centre**exponents, axis=1) >= 0.0 else -1.0
+    return minimum(sign * q, exponents, box)

@@ -80,6 +80,7 @@ class Terms:
 
     def __post_init__(self) -> None:
         for name in ("numerator", "denominator"):
+            array = np.zeros(0, dtype=np.int64)
             try:
                 given = np.asarray(getattr(self, name))
                 array = given.astype(np.int64)

@@ -76,7 +76,7 @@ class HalfVectorReflection(Measure):
         c, jacobian = azimuths(mu, azimuth.nodes)
         num, den = horizon(mu, s, c)
         # Shapes below: (azimuth, slope).
-        n, d, w = self.ndf.slope_rule(num[:, None], (alpha * den)[:, None], slope.nodes[None, :])
+        n, d, w = self.ndf.slope_rule(num[:, None], (alpha * den)[:, None], jnp.asarray(slope.nodes))
         p = d * mu + alpha * n * (s * c)[:, None]  # x R
         r2 = d * d + (alpha * n) ** 2  # R^2, with cos(theta_h) = d / R
         mu_i = jnp.maximum(2.0 * p * d / r2 - mu, 0.0)

@@ -27,7 +27,15 @@ class Hemisphere(Measure):
 
     default_level: ClassVar[int] = 3
     # (dyadic depth, nodes per panel and dimension) of each level.
-    ORDERS: ClassVar[tuple[tuple[int, int], ...]] = ((0, 8), (0, 12), (1, 12), (2, 14), (4, 14), (6, 18), (9, 20))
+    ORDERS: ClassVar[tuple[tuple[int, int], ...]] = (
+        (0, 8),
+        (0, 12),
+        (1, 12),
+        (2, 14),
+        (4, 14),
+        (6, 18),
+        (9, 20),
+    )
 
     @property
     def levels(self) -> tuple[int, ...]:

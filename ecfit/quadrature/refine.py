@@ -1,8 +1,9 @@
 """Refinement: each entry climbs the levels of its measure until its error estimate meets the tolerance."""
 
 import enum
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -60,7 +61,9 @@ def refine(
         value, error = evaluate(level, active)
         error = error + _ROUNDING * (1.0 + np.abs(value))
         if confirm:
-            error = np.maximum(error, np.abs(value - values[active])) if level else np.full_like(error, np.inf)
+            error = (
+                np.maximum(error, np.abs(value - values[active])) if level else np.full_like(error, np.inf)
+            )
         values[active], errors[active], level_of[active] = value, error, level
         left = active[~(error <= tolerance)]
         if progress is not None:
@@ -78,7 +81,7 @@ def refine(
 
 
 def in_blocks(
-    function: Callable[..., Sequence[np.ndarray]], arrays: Sequence[np.ndarray], block: int
+    function: Callable[..., Iterable[Any]], arrays: Sequence[np.ndarray], block: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Apply a vectorised `function` with two results to rows of `arrays`, in blocks of one fixed size.
 

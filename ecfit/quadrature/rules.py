@@ -6,7 +6,7 @@ polynomials, which the nodes give for free, and continues the decay seen between
 coefficients: an n-point rule is exact up to degree 2 n - 1, so its error is that of coefficients beyond.
 """
 
-from functools import lru_cache
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -29,19 +29,19 @@ class Estimate(NamedTuple):
 
 
 class Rule(NamedTuple):
-    """Gauss-Legendre on panels of [0, 1]: nodes and panel widths of shape (panels x count,)."""
+    """Gauss-Legendre on panels of [0, 1]: nodes and panel widths of shape (panels x order,)."""
 
     nodes: np.ndarray
     widths: np.ndarray
-    count: int
+    order: int
 
     @property
     def weights(self) -> np.ndarray:
         """The weight of each node, panel width included."""
-        return self.widths * np.tile(gauss_legendre(self.count)[1], self.nodes.size // self.count)
+        return self.widths * np.tile(gauss_legendre(self.order)[1], self.nodes.size // self.order)
 
 
-@lru_cache(maxsize=None)
+@cache
 def gauss_legendre(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Legendre nodes and weights on [0, 1]: exact for polynomials of degree 2 count - 1."""
     x, w = np.polynomial.legendre.leggauss(count)
@@ -51,7 +51,7 @@ def gauss_legendre(count: int) -> tuple[np.ndarray, np.ndarray]:
     return x, w
 
 
-@lru_cache(maxsize=None)
+@cache
 def graded(depth: int, count: int) -> Rule:
     """`count` nodes on each of the panels [0, 2^-depth], ..., [1/4, 1/2], [1/2, 1].
 
@@ -63,7 +63,7 @@ def graded(depth: int, count: int) -> Rule:
     return Rule(np.repeat(edges[:-1], count) + width * np.tile(x, depth + 1), width, count)
 
 
-@lru_cache(maxsize=None)
+@cache
 def _functionals(count: int) -> tuple[np.ndarray, int]:
     """Columns that turn the values at `count` nodes into [integral, high band, lower band]."""
     x, w = gauss_legendre(count)
@@ -93,7 +93,7 @@ def _tail(high: Array, low: Array) -> Array:
 
 def integrate_line(values: Array, rule: Rule) -> Estimate:
     """Integral over [0, 1] with an error estimate; `values` (nodes,) include the panel widths."""
-    value, high, low = _bands(values, rule.count)
+    value, high, low = _bands(values, rule.order)
     return Estimate(value, jax.lax.stop_gradient(_tail(high, low)))
 
 
@@ -103,8 +103,8 @@ def integrate(values: Array, outer: Rule, inner: Rule) -> Estimate:
     `values` has shape (outer nodes, inner nodes): the integrand times the panel widths of both rules, for
     one or more copies of each rule side by side.
     """
-    over_inner, high, low = _bands(values, inner.count)
+    over_inner, high, low = _bands(values, inner.order)
     line = integrate_line(over_inner, outer)
-    panels = over_inner.shape[0] // outer.count
-    w = jnp.asarray(np.tile(gauss_legendre(outer.count)[1], panels))
+    panels = over_inner.shape[0] // outer.order
+    w = jnp.asarray(np.tile(gauss_legendre(outer.order)[1], panels))
     return Estimate(line.value, line.error + jax.lax.stop_gradient(_tail(w @ high, w @ low)))

@@ -17,7 +17,7 @@ _BATCH = 512
 
 
 def directional_albedo(
-    model: BSDF | str,
+    model: BSDF | type[BSDF] | str,
     *,
     lobe: str = "all",
     transport: str = "energy",

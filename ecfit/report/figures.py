@@ -86,7 +86,9 @@ def _plane(table: Table, values: np.ndarray) -> tuple[np.ndarray, str]:
 
 def _thin(values: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
     """At most `_IMAGE_POINTS` a side, ends kept."""
-    picks = [np.unique(np.round(np.linspace(0, n - 1, min(n, _IMAGE_POINTS))).astype(int)) for n in values.shape]
+    picks = [
+        np.unique(np.round(np.linspace(0, n - 1, min(n, _IMAGE_POINTS))).astype(int)) for n in values.shape
+    ]
     return values[np.ix_(*picks)], picks
 
 

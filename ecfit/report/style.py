@@ -3,12 +3,13 @@
 import io
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import matplotlib as mpl
 
 mpl.use("agg")  # files only: no display is needed or opened
 
-from matplotlib.figure import Figure  # noqa: E402
+from matplotlib.figure import Figure
 
 # Okabe & Ito 2008: eight colours that people with any colour vision tell apart.
 COLOURS = {
@@ -19,7 +20,7 @@ COLOURS = {
 MARKERS = {"polynomial": "o", "rational": "s"}
 VALUES, SIGNED = "viridis", "RdBu_r"
 
-_SETTINGS = {
+_SETTINGS: Any = {
     "font.size": 9,
     "axes.titlesize": 9,
     "axes.spines.top": False,

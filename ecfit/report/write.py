@@ -10,12 +10,12 @@ import jinja2
 from matplotlib.figure import Figure
 
 from ecfit.approximation import Approximation
+from ecfit.config import StudyConfig
 from ecfit.files import write_atomically, write_text
 from ecfit.fitting import Fit
 from ecfit.metrics import Errors
 from ecfit.report import figures
 from ecfit.report.style import rendered
-from ecfit.study.config import StudyConfig
 from ecfit.tables import Table
 
 
@@ -82,8 +82,8 @@ def _pictures(
         out.append(
             _Picture(
                 f"{name}-degree-vs-error",
-                "Number of coefficients and mean absolute error by degree (left); mean absolute error against "
-                "number of coefficients (right). After Sforza & Pellacini 2022, figure 3.",
+                "Number of coefficients and mean absolute error by degree (left); mean absolute error "
+                "against number of coefficients (right). After Sforza & Pellacini 2022, figure 3.",
                 figures.degree_vs_error(name, fits, published),
             )
         )
@@ -123,8 +123,9 @@ def _verdict(fits: Sequence[Fit]) -> str:
         return f"No usable fit: {best.warning()}."
     return (
         f"Best fit: {best.approximation.name}, {best.terms.count} coefficients: MAE {best.mae:.2e}, "
-        f"RMSE {best.rmse:.2e}, largest error {best.max_error:.2e}; a white furnace normalised with it deviates "
-        f"by {100 * best.errors.furnace_mean:.2g} % on average and {100 * best.errors.furnace_max:.2g} % at worst."
+        f"RMSE {best.rmse:.2e}, largest error {best.max_error:.2e}; a white furnace normalised with it "
+        f"deviates by {100 * best.errors.furnace_mean:.2g} % on average and "
+        f"{100 * best.errors.furnace_max:.2g} % at worst."
     )
 
 
@@ -132,9 +133,9 @@ def _inline(svg: bytes, prefix: str) -> str:
     """An SVG for a page that holds several: no XML header, and ids that do not clash."""
     text = svg.decode("utf-8")
     text = text[text.index("<svg") :]
-    ids = set(re.findall(r'\bid="([^"]+)"', text))
-    pattern = re.compile(r'(\bid="|url\(#|href="#)([^")]+)')
-    return pattern.sub(lambda m: m[1] + prefix + m[2] if m[2] in ids else m[0], text)
+    used = set(re.findall(r'(?:url\(#|href="#)([^")]+)', text))
+    text = re.sub(r' id="([^"]+)"', lambda m: f' id="{prefix}{m[1]}"' if m[1] in used else "", text)
+    return re.sub(r'(url\(#|href="#)', lambda m: m[1] + prefix, text)
 
 
 def write_report(study: StudyLike) -> None:

@@ -2,6 +2,6 @@
 
 from ecfit.study.plan import Plan as Plan
 from ecfit.study.plan import make_plan as make_plan
-from ecfit.study.run import Study as Study
-from ecfit.study.run import load as load
-from ecfit.study.run import run as run
+from ecfit.study.runner import Study as Study
+from ecfit.study.runner import load as load
+from ecfit.study.runner import run as run

@@ -7,12 +7,12 @@ from pathlib import Path
 
 from ecfit.approximation import Approximation, published
 from ecfit.bsdf import BSDF, model
+from ecfit.config import AxisConfig, StudyConfig, TableConfig
 from ecfit.coordinates import Axis
 from ecfit.errors import EcfitError
 from ecfit.fitting.fit import check_data
 from ecfit.forms import Form, form
 from ecfit.quantities import Quantity, quantity
-from ecfit.study.config import AxisConfig, StudyConfig, TableConfig
 from ecfit.study.plugins import load_plugins
 from ecfit.tables import Request
 from ecfit.tables.tabulate import default_range

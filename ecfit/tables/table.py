@@ -6,6 +6,7 @@ import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -92,7 +93,7 @@ class Table:
             "tolerance": self.tolerance,
             "provenance": dict(self.provenance),
         }
-        arrays = {"values": self.values, "errors": self.errors, "status": self.status}
+        arrays: dict[str, Any] = {"values": self.values, "errors": self.errors, "status": self.status}
         for i, axis in enumerate(self.axes):
             arrays[f"nodes_{i}"] = axis.nodes
             arrays[f"nominal_{i}"] = axis.nominal

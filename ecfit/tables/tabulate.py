@@ -92,7 +92,7 @@ class Request:
     @classmethod
     def make(
         cls,
-        model: BSDF | str,
+        model: BSDF | type[BSDF] | str,
         axes: Mapping[str, object],
         quantity_name: str = "directional-albedo",
         lobe: str = "all",
@@ -212,7 +212,7 @@ def versions() -> dict[str, str]:
 
 
 def tabulate(
-    model: BSDF | str,
+    model: BSDF | type[BSDF] | str,
     axes: Mapping[str, object],
     *,
     quantity: str = "directional-albedo",
@@ -237,5 +237,3 @@ def tabulate(
     Raises `EcfitError` for unknown names and axes outside the model's domain.
     """
     return Request.make(model, axes, quantity, lobe, transport, tolerance).compute(progress)
-
-

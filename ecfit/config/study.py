@@ -1,4 +1,4 @@
-"""The typed form of a study's TOML file. Nothing here imports JAX, so a bad config fails at once."""
+"""The sections of a study file, and what is wrong with one. Nothing here imports JAX."""
 
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -7,11 +7,11 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
+from ecfit.config.toml import key_lines
 from ecfit.contract import LOBES, QUANTITIES, TRANSPORTS
 from ecfit.coordinates import MAPS, SPACINGS
 from ecfit.errors import EcfitError, did_you_mean
 from ecfit.files import read_text
-from ecfit.study.toml import key_lines
 
 # File names are made of these: plain words, no separators, nothing hidden.
 Word = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$")]
@@ -33,9 +33,7 @@ def _axis(value: Any) -> Any:
     return value
 
 
-Degrees = Annotated[
-    list[Annotated[int, Field(ge=0, le=20)]], Field(min_length=1), BeforeValidator(_listed)
-]
+Degrees = Annotated[list[Annotated[int, Field(ge=0, le=20)]], Field(min_length=1), BeforeValidator(_listed)]
 
 
 class _Section(BaseModel):
@@ -73,8 +71,12 @@ class TableConfig(_Section):
     quantity: Annotated[Literal["directional-albedo", "average-albedo"], Field(description="integrated")] = (
         "directional-albedo"
     )
-    lobe: Annotated[Literal["all", "reflection", "transmission"], Field(description="part of the BSDF")] = "all"
-    transport: Annotated[Literal["energy", "radiance"], Field(description="of the transmitted lobe")] = "energy"
+    lobe: Annotated[Literal["all", "reflection", "transmission"], Field(description="part of the BSDF")] = (
+        "all"
+    )
+    transport: Annotated[Literal["energy", "radiance"], Field(description="of the transmitted lobe")] = (
+        "energy"
+    )
     axes: Annotated[
         dict[str, Annotated[AxisConfig, BeforeValidator(_axis)]],
         Field(min_length=1, description="name = count, or nodes, or a table; in the order of the dimensions"),
@@ -214,7 +216,9 @@ def _messages(path: Path, text: str, error: ValidationError) -> list[str]:
             message = "this key is missing"
         elif fault["type"] == "extra_forbidden":
             valid = _keys_at(location[:-1])
-            message = f"unknown key: expected one of {', '.join(valid)}{did_you_mean(str(location[-1]), valid)}"
+            message = (
+                f"unknown key: expected one of {', '.join(valid)}{did_you_mean(str(location[-1]), valid)}"
+            )
         else:
             value = fault.get("input")
             shown = f"{value!r}: " if isinstance(value, str | int | float) else ""

@@ -11,14 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from ecfit.approximation import Approximation
+from ecfit.config import StudyConfig, read_config, to_toml
 from ecfit.errors import EcfitError
 from ecfit.files import make_folder, read_json, write_json, write_text
 from ecfit.fitting import Fit, Fitter
 from ecfit.metrics import Errors, measure
 from ecfit.quadrature import STATUS, Status
-from ecfit.study.config import StudyConfig, read_config
 from ecfit.study.plan import Plan, PlannedFit, make_plan
-from ecfit.study.toml import to_toml
 from ecfit.tables import Table
 from ecfit.tables.tabulate import versions
 
@@ -85,9 +84,7 @@ class Progress:
         yield lambda steps: None
 
 
-def run(
-    config: str | Path, results: str | Path = "results", *, progress: Progress | None = None
-) -> Study:
+def run(config: str | Path, results: str | Path = "results", *, progress: Progress | None = None) -> Study:
     """Run the study of a TOML file and write `results/<study>/`.
 
     Args:

@@ -1,0 +1,322 @@
+"""The command line. JAX is imported inside the commands only, so that help and mistakes answer at once."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated, Any, Literal, NoReturn
+
+from cyclopts import App, CycloptsError, Parameter
+
+from ecfit.errors import EcfitError
+
+app = App(
+    name="ecfit",
+    help="From a BSDF to albedo tables with error estimates, rational fits and reports.",
+    version=lambda: import_module("ecfit").__version__,
+    version_flags=["--version"],
+    # Rich text in help would cost 0.1 s at every start.
+    help_format="plaintext",
+)
+
+Plugins = Annotated[
+    tuple[str, ...],
+    Parameter(name="--plugin", help="Python file or module that registers models; repeatable."),
+]
+Axes = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--axis", help="name=count, or name=low:high:count, in the order of the dimensions; repeatable."
+    ),
+]
+Options = Annotated[
+    tuple[str, ...], Parameter(name="--option", help="A setting of the model, name=value; repeatable.")
+]
+
+
+@app.command
+def run(
+    config: Path,
+    *,
+    results: Annotated[Path, Parameter(help="Folder for all studies.")] = Path("results"),
+) -> None:
+    """Run a study: tables, fits and report. Finished parts are kept; running again resumes.
+
+    Parameters
+    ----------
+    config
+        The study's TOML file.
+    """
+    from ecfit.config import read_config
+
+    read_config(config)  # a fault in the file is told before JAX takes its second to load
+    from ecfit import study
+
+    done = study.run(config, results, progress=_bars())
+    for warning in done.warnings():
+        _say(f"WARNING: {warning}")
+    computed = f"{len(done.seconds)} computed, " if done.seconds else "nothing left to compute, "
+    print(f"{computed}report: {done.report}")
+
+
+@app.command
+def report(config: Path, *, results: Path = Path("results")) -> None:
+    """Write the report of a finished study again, computing nothing.
+
+    Parameters
+    ----------
+    config
+        The study's TOML file.
+    results
+        Folder for all studies.
+    """
+    from ecfit.config import read_config
+
+    read_config(config)
+    from ecfit import study
+    from ecfit.study.runner import write_results
+
+    found = study.load(config, results)
+    write_results(found)
+    print(f"report: {found.report}")
+
+
+@app.command
+def table(
+    model: str,
+    *,
+    output: Path,
+    axis: Axes,
+    option: Options = (),
+    plugin: Plugins = (),
+    quantity: str = "directional-albedo",
+    lobe: str = "all",
+    transport: str = "energy",
+    tolerance: float = 1e-7,
+    spacing: Literal["uniform", "gauss", "chebyshev", "clamped"] = "uniform",
+) -> None:
+    """Integrate a quantity of a model on a grid and save the table (NPZ).
+
+    Parameters
+    ----------
+    model
+        A registered model; `ecfit list` shows them.
+    output
+        File to write.
+    quantity
+        What is integrated; `ecfit list` shows them.
+    lobe
+        all, reflection or transmission.
+    transport
+        energy or radiance.
+    tolerance
+        Absolute error to reach in every entry.
+    spacing
+        Of the nodes of all axes.
+    """
+    import ecfit
+    from ecfit.quantities import quantity as make_quantity
+    from ecfit.study.plugins import load_plugins
+    from ecfit.tables.tabulate import default_range
+
+    load_plugins(plugin, Path())
+    bsdf = ecfit.model(model, **_settings(option))
+    made = make_quantity(quantity, lobe, transport)
+    axes: dict[str, Any] = {}
+    for text in axis:
+        name, low, high, count = _axis(text)
+        low, high = default_range(bsdf, made, name, (low, high))
+        axes[name] = ecfit.Axis.spaced(name, count, low, high, spacing)
+    total = 1
+    for one in axes.values():
+        total *= len(one)
+    with _bars().stage("table", total) as advance:
+        done = ecfit.tabulate(
+            bsdf,
+            axes,
+            quantity=quantity,
+            lobe=lobe,
+            transport=transport,
+            tolerance=tolerance,
+            progress=advance,
+        )
+    done.save(output)
+    print("\n".join([*done.describe(), f"written: {output}"]))
+
+
+@app.command
+def fit(
+    table: Path,
+    *,
+    form: str = "rational",
+    degree: int | None = None,
+    numerator: int | None = None,
+    denominator: int | None = None,
+    output: Path | None = None,
+) -> None:
+    """Fit a form to a table; print its errors and, with --output, save coefficients and contract (JSON).
+
+    Parameters
+    ----------
+    table
+        A table written by `ecfit table` or a study.
+    form
+        rational or polynomial.
+    degree
+        Total degree.
+    numerator, denominator
+        Degrees of a rational, instead of degree.
+    output
+        File to write.
+    """
+    import ecfit
+    from ecfit.forms import form as make_form
+
+    given = {"degree": degree, "numerator": numerator, "denominator": denominator}
+    settings = {key: value for key, value in given.items() if value is not None}
+    if not settings:
+        raise EcfitError("fit needs --degree, or --numerator and --denominator")
+    done = ecfit.fit(ecfit.Table.load(table), make_form(form, **settings))
+    if not done.ok:
+        _say(f"WARNING: {done.warning()}")
+    place = ", ".join(f"{k} = {v:.4g}" for k, v in done.errors.place.items())
+    print(f"{done.approximation.name}: {done.terms.count} coefficients, {done.status}")
+    print(f"MAE {done.mae:.4e}, RMSE {done.rmse:.4e}, largest error {done.max_error:.4e} at {place}")
+    print(f"smallest denominator {done.smallest.value:.4g}, values in [{done.prediction[0]:.6g}, ", end="")
+    print(f"{done.prediction[1]:.6g}], {done.iterations} steps, {done.starts} starts")
+    if output is not None:
+        done.save(output)
+        print(f"written: {output}")
+
+
+@app.command(name="check-bsdf")
+def check_bsdf(model: str, *, option: Options = (), plugin: Plugins = (), samples: int = 500) -> None:
+    """Check a model: finite, non-negative, reciprocal, energy <= 1, clean under jit, vmap and grad.
+
+    Exits with 1 where a property fails.
+
+    Parameters
+    ----------
+    model
+        A registered model.
+    samples
+        Directions tried for each setting of the parameters.
+    """
+    import ecfit
+    from ecfit.study.plugins import load_plugins
+
+    load_plugins(plugin, Path())
+    if samples < 1:
+        raise EcfitError(f"samples must be 1 or more, got {samples}")
+    found = ecfit.check_bsdf(ecfit.model(model, **_settings(option)), samples=samples)
+    print(found)
+    if not found:
+        raise SystemExit(1)
+
+
+@app.command(name="list")
+def list_(*, plugin: Plugins = ()) -> None:
+    """List models with their options and parameters, quantities, forms, spacings and published fits."""
+    from ecfit.approximation import published, published_names
+    from ecfit.bsdf import models
+    from ecfit.contract import QUANTITIES
+    from ecfit.coordinates import SPACINGS, VIEWS
+    from ecfit.forms import forms
+    from ecfit.study.plugins import load_plugins
+
+    load_plugins(plugin, Path())
+    print("models")
+    for name, cls in sorted(models().items()):
+        print(f"  {name}: {(cls.__doc__ or '').strip().splitlines()[0] if cls.__doc__ else ''}")
+        for key, choices in cls.option_choices().items():
+            print(f"    {key} = {' | '.join(choices)}")
+        for key, (low, high) in cls.parameter_ranges().items():
+            others = [v.name for v in VIEWS.values() if v.of == key]
+            print(f"    {key} in [{low:g}, {high:g}]" + (f" (or {', '.join(others)})" if others else ""))
+    print("quantities")
+    for name, text in QUANTITIES.items():
+        print(f"  {name}: {text}")
+    print("forms")
+    for name, cls in forms().items():
+        print(f"  {name}: {(cls.__doc__ or '').strip().splitlines()[0]}")
+    print("spacings")
+    for name, text in SPACINGS.items():
+        print(f"  {name}: {text}")
+    print("published fits")
+    for name in published_names():
+        print(f"  {name}: {published(name).source}")
+
+
+def _settings(pairs: tuple[str, ...]) -> dict[str, Any]:
+    """name=value pairs; a value that reads as a number is one."""
+    out: dict[str, Any] = {}
+    for pair in pairs:
+        name, equals, value = pair.partition("=")
+        if not equals or not name or not value:
+            raise EcfitError(f"expected name=value, got '{pair}'")
+        try:
+            out[name] = float(value)
+        except ValueError:
+            out[name] = value
+    return out
+
+
+def _axis(text: str) -> tuple[str, float | None, float | None, int]:
+    """(name, low, high, count) of `name=count` or `name=low:high:count`."""
+    name, _, value = text.partition("=")
+    parts = value.split(":")
+    try:
+        if name and len(parts) == 1:
+            return name, None, None, int(parts[0])
+        if name and len(parts) == 3:
+            return name, float(parts[0]), float(parts[1]), int(parts[2])
+    except ValueError:
+        pass
+    raise EcfitError(f"expected an axis name=count or name=low:high:count, got '{text}'")
+
+
+def _bars() -> Any:
+    """Progress bars on the terminal (one line where there is none)."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    class Bars:
+        @contextmanager
+        def stage(self, title: str, total: int) -> Iterator[Callable[[int], None]]:
+            columns = (
+                TextColumn("{task.description}"),
+                BarColumn(),
+                MofNCompleteColumn(),
+                TimeRemainingColumn(),
+            )
+            with Progress(*columns, console=Console(stderr=True)) as progress:
+                task = progress.add_task(title, total=total)
+                yield lambda steps: progress.advance(task, steps)
+
+    return Bars()
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr)
+
+
+def _fail(text: str, code: int = 2) -> NoReturn:
+    _say(text)
+    raise SystemExit(code)
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Entry point: a mistake is one message and exit code 2; an interrupt says how to go on (130)."""
+    try:
+        app(arguments, exit_on_error=False, print_error=False)
+    except CycloptsError as error:
+        _fail(f"error: {' '.join(str(error).split())}; see ecfit --help")
+    except EcfitError as error:
+        _fail(f"error: {error}")
+    except KeyboardInterrupt:
+        _fail("stopped; what is finished is kept: the same command goes on from here", 130)
+    except MemoryError:
+        _fail("error: out of memory: use fewer nodes an axis")
+    except BrokenPipeError:
+        raise SystemExit(0) from None

@@ -1,0 +1,206 @@
+"""A study from its file to its results: what is written, resumed, kept and said."""
+
+import csv
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+import ecfit
+from ecfit.study import runner
+
+EXAMPLES = Path(__file__).parent.parent.parent / "examples"
+
+CONFIG = """
+name = "small"
+[[tables]]
+name = "e"
+model = "conductor"
+axes = { r = 12, mu = 12 }
+tolerance = 1e-6
+[[fits]]
+tables = ["e"]
+form = "polynomial"
+degree = [1, 2]
+[[fits]]
+tables = ["e"]
+form = "rational"
+degree = 1
+[[compare]]
+tables = ["e"]
+published = ["sforza-pellacini-2022-conductor"]
+[report]
+figures = ["svg"]
+"""
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, ecfit.Study]:
+    """(config, results folder, study) of the small study, run once."""
+    folder = tmp_path_factory.mktemp("study")
+    config = folder / "small.toml"
+    config.write_text(CONFIG)
+    return config, folder / "results", ecfit.run(config, folder / "results")
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    """All files below a folder but the timings."""
+    return {
+        str(p.relative_to(folder)): p.read_bytes()
+        for p in sorted(folder.rglob("*"))
+        if p.is_file() and p.name != "timings.csv"
+    }
+
+
+def test_a_study_writes_everything(finished):
+    _, results, study = finished
+    written = set(files(results / "small"))
+    assert {"summary.csv", "config.toml", "provenance.json", "report.html", "report.md"} <= written
+    assert {"fits/e-polynomial-1.json", "fits/e-polynomial-2.json", "fits/e-rational-1.json"} <= written
+    assert "figures/e-degree-vs-error.svg" in written
+    assert (results / "small" / "timings.csv").exists()
+    assert len(list((results / "tables").glob("*.npz"))) == 1
+    assert study.warnings() == []
+
+
+def test_the_summary_has_a_row_a_fit_that_agrees_with_the_fit(finished):
+    _, results, study = finished
+    rows = list(csv.DictReader((results / "small" / "summary.csv").read_text().splitlines()))
+    assert [(r["form"], r["degree"], r["coefficients"], r["status"]) for r in rows] == [
+        ("polynomial", "1", "3", "converged"),
+        ("polynomial", "2", "6", "converged"),
+        ("rational", "1", "5", "converged"),
+        ("sforza-pellacini-2022-conductor", "3", "19", "published"),
+    ]
+    for row, fit in zip(rows, study.fits["e"], strict=False):
+        assert float(row["mae"]) == pytest.approx(fit.mae, rel=1e-6)
+        assert float(row["min_denominator"]) == pytest.approx(fit.smallest.value, rel=1e-6)
+
+
+def test_running_again_computes_nothing_and_changes_no_byte(finished):
+    config, results, _ = finished
+    before = files(results)
+    again = ecfit.run(config, results)
+    assert again.seconds == {}
+    assert files(results) == before
+
+
+def test_two_fresh_runs_are_byte_identical(finished, tmp_path: Path):
+    config, results, _ = finished
+    ecfit.run(config, tmp_path / "other")
+    assert files(tmp_path / "other" / "small") == files(results / "small")
+
+
+def test_only_what_changed_is_computed_again(finished, tmp_path: Path):
+    config, results, _ = finished
+    copy = tmp_path / "results"
+    shutil.copytree(results, copy)
+    (copy / "small" / "fits" / "e-polynomial-2.json").unlink()
+    (copy / "small" / "fits" / "e-rational-1.json").write_text("{ half a file")
+    assert set(ecfit.run(config, copy).seconds) == {"fit e-polynomial-2", "fit e-rational-1"}
+    assert files(copy / "small") == files(results / "small")
+
+
+def test_a_damaged_table_is_computed_again(finished, tmp_path: Path):
+    config, results, _ = finished
+    copy = tmp_path / "results"
+    shutil.copytree(results, copy)
+    (table,) = (copy / "tables").glob("*.npz")
+    whole = table.read_bytes()
+    table.write_bytes(whole[:1000])
+    assert "table e" in ecfit.run(config, copy).seconds
+    assert table.read_bytes() == whole
+
+
+def test_the_resolved_config_runs_and_gives_the_same(finished, tmp_path: Path):
+    _, results, _ = finished
+    ecfit.run(results / "small" / "config.toml", tmp_path / "results")
+    again = files(tmp_path / "results" / "small")
+    assert again == files(results / "small")
+
+
+def test_a_stopped_run_keeps_what_was_finished(finished, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    config, _, _ = finished
+    calls = []
+    original = runner.write_json
+
+    def stop(path, data):
+        original(path, data)
+        calls.append(path)
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(runner, "write_json", stop)
+    with pytest.raises(KeyboardInterrupt):
+        ecfit.run(config, tmp_path / "results")
+    monkeypatch.undo()
+    assert set(ecfit.run(config, tmp_path / "results").seconds) == {"fit e-rational-1"}
+
+
+def test_a_report_is_written_from_disk_alone(finished, tmp_path: Path):
+    config, results, _ = finished
+    found = ecfit.study.load(config, results)
+    assert [f.mae for f in found.fits["e"]] == [f.mae for f in ecfit.run(config, results).fits["e"]]
+    with pytest.raises(ecfit.EcfitError, match="no such table"):
+        ecfit.study.load(config, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            ('model = "conductor"', 'model = "conducter"'),
+            "unknown model 'conducter'.*did you mean 'conductor'",
+        ),
+        (("r = 12", "alpha = { count = 12, high = 2.0 }"), "outside the model's domain"),
+        (("r = 12", "F0 = 12"), "no effect with"),
+        (("degree = [1, 2]", "degree = 12"), "needs more than 12 nodes on axis 'r'"),
+        (("sforza-pellacini-2022-conductor", "sforza"), "unknown published fit 'sforza'"),
+        (('name = "small"', 'name = "small"\nplugins = ["nowhere.py"]'), "plugin 'nowhere.py': no such file"),
+    ],
+)
+def test_what_cannot_be_done_is_told_before_anything_is_computed(
+    tmp_path: Path, change: tuple[str, str], message: str
+):
+    assert change[0] in CONFIG
+    config = tmp_path / "bad.toml"
+    config.write_text(CONFIG.replace(*change, 1))
+    with pytest.raises(ecfit.EcfitError, match=message):
+        ecfit.run(config, tmp_path / "results")
+    assert not (tmp_path / "results").exists()
+
+
+def test_a_results_folder_that_is_a_file_is_told(tmp_path: Path):
+    (tmp_path / "results").write_text("")
+    config = tmp_path / "small.toml"
+    config.write_text(CONFIG)
+    with pytest.raises(ecfit.EcfitError, match="cannot create the folder"):
+        ecfit.run(config, tmp_path / "results")
+
+
+def test_a_failing_plugin_is_told(tmp_path: Path):
+    (tmp_path / "broken.py").write_text("1 / 0\n")
+    config = tmp_path / "bad.toml"
+    config.write_text(CONFIG.replace('name = "small"', 'name = "small"\nplugins = ["broken.py"]', 1))
+    with pytest.raises(ecfit.EcfitError, match=r"broken.py' failed to import: ZeroDivisionError"):
+        ecfit.run(config, tmp_path / "results")
+
+
+def test_a_users_model_goes_through_a_study(tmp_path: Path):
+    text = (EXAMPLES / "ward.toml").read_text()
+    shutil.copy(EXAMPLES / "ward.py", tmp_path / "ward.py")
+    small = text.replace("alpha = 24, mu = 24", "alpha = [0.3, 0.6, 0.8, 1.0], mu = [0.3, 0.5, 0.8, 1.0]")
+    assert small != text
+    (tmp_path / "ward.toml").write_text(small.replace("[1, 2, 3, 4]", "[1, 2]").replace("[1, 2, 3]", "[1]"))
+    study = ecfit.run(tmp_path / "ward.toml", tmp_path / "results")
+    assert study.tables["ward"].contract.model == "ward"
+    assert [f.status for f in study.fits["ward"]] == ["converged"] * 3
+    assert "ward" in study.report.read_text()
+
+
+def test_provenance_names_versions_and_tables(finished):
+    _, results, study = finished
+    data = json.loads((results / "small" / "provenance.json").read_text())
+    assert data["tables"]["e"]["key"] == study.tables["e"].provenance["key"]
+    assert {"ecfit", "jax", "numpy", "optimistix"} <= set(data["versions"])

@@ -1,0 +1,127 @@
+"""The command line: what it prints, and that every mistake is one message and exit code 2."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ecfit import cli
+
+ROOT = Path(__file__).parent.parent
+
+
+def call(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str, str]:
+    """(exit code, stdout, stderr) of `ecfit arguments`, in this process."""
+    code = 0
+    try:
+        cli.main([str(a) for a in arguments])
+    except SystemExit as stop:
+        code = stop.code if isinstance(stop.code, int) else 1
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+@pytest.mark.parametrize("command", ["--help", "run nowhere.toml", "rum"])
+def test_help_and_mistakes_do_not_load_jax(command: str):
+    program = (
+        "import sys; from ecfit import cli\n"
+        f"try: cli.main({command.split()!r})\nexcept SystemExit: pass\n"
+        "sys.exit('jax' in sys.modules or 'numpy.f2py' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+
+
+def test_help_lists_the_commands(capsys: pytest.CaptureFixture[str]):
+    code, out, _ = call(capsys, "--help")
+    assert code == 0
+    for command in ("run", "table", "fit", "report", "list", "check-bsdf"):
+        assert command in out
+
+
+def test_list_names_models_forms_and_published_fits_with_sources(capsys: pytest.CaptureFixture[str]):
+    code, out, _ = call(capsys, "list")
+    assert code == 0
+    for word in ("conductor", "masking = separable | height-correlated", "lambertian", "rational", "eq. 24"):
+        assert word in out
+
+
+def test_table_then_fit(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    table, fit = tmp_path / "e.npz", tmp_path / "e.json"
+    code, out, _ = call(
+        capsys, "table", "conductor", "--axis", "r=8", "--axis", "mu=0.1:1:8", "--output", table
+    )
+    assert code == 0
+    assert "8 x 8 entries" in out
+    code, out, _ = call(capsys, "fit", table, "--form", "polynomial", "--degree", "2", "--output", fit)
+    assert code == 0
+    assert "6 coefficients, converged" in out
+    saved = json.loads(fit.read_text())
+    assert saved["variables"] == ["r", "mu"]
+    assert saved["domain"] == [[0.0, 1.0], [0.1, 1.0]]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("run", "nowhere.toml"), ("no such file", "nowhere.toml")),
+        (("rum",), ("rum", "run")),
+        (("run",), ("config",)),
+        (("table", "condcutor", "--axis", "mu=4", "--output", "x"), ("did you mean 'conductor'",)),
+        (("table", "conductor", "--axis", "r=0:2:4", "--axis", "mu=4", "--output", "x"), ("domain",)),
+        (("table", "conductor", "--axis", "r=4", "--output", "x.npz"), ("needs the axis 'mu'",)),
+        (("table", "conductor", "--axis", "mu", "--output", "x.npz"), ("name=count",)),
+        (("table", "conductor", "--option", "masking=x", "--axis", "mu=4", "--output", "x"), ("separable",)),
+        (("table", "conductor", "--axis", "F0=4", "--axis", "mu=4", "--output", "x"), ("no effect", "unit")),
+        (("table", "conductor", "--axis", "mu=4", "--output", "x", "--tolerance", "-1"), ("tolerance",)),
+        (("fit", "nowhere.npz", "--degree", "3"), ("no such table",)),
+        (("fit", "nowhere.npz"), ("--degree",)),
+        (("check-bsdf", "ward", "--plugin", "nowhere.py"), ("no such file",)),
+    ],
+)  # fmt: skip
+def test_mistakes_are_one_message_and_exit_code_2(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments, words
+):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = call(capsys, *arguments)
+    assert code == 2
+    assert out == ""
+    for word in words:
+        assert word in err
+    message = [line for line in err.splitlines() if line.startswith("error: ")]
+    assert len(message) == 1
+    assert "Traceback" not in err
+
+
+@pytest.mark.parametrize("degree", ["0", "200"])
+def test_a_degree_out_of_range_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path, degree: str):
+    table = tmp_path / "e.npz"
+    call(capsys, "table", "lambertian", "--axis", "rho=4", "--axis", "mu=4", "--output", table)
+    code, _, err = call(capsys, "fit", table, "--degree", degree)
+    assert code == 2
+    assert "1..20" in err
+
+
+def test_a_truncated_table_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    table = tmp_path / "e.npz"
+    call(capsys, "table", "lambertian", "--axis", "rho=4", "--axis", "mu=4", "--output", table)
+    table.write_bytes(table.read_bytes()[:200])
+    code, _, err = call(capsys, "fit", table, "--degree", "1")
+    assert code == 2
+    assert "damaged" in err
+
+
+def test_check_bsdf_exits_with_1_where_a_property_fails(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    plugin = tmp_path / "bright.py"
+    plugin.write_text(
+        "import jax.numpy as jnp, ecfit\n"
+        "@ecfit.register('bright')\n"
+        "class Bright(ecfit.BSDF):\n"
+        "    def f(self, wo, wi):\n"
+        "        return jnp.where(wi[2] > 0.0, 2.0 / jnp.pi, 0.0)\n"
+    )
+    code, out, _ = call(capsys, "check-bsdf", "bright", "--plugin", plugin)
+    assert code == 1
+    assert "FAIL  energy <= 1" in out
