@@ -1,5 +1,6 @@
 """The command line. JAX is imported inside the commands only, so that help and mistakes answer at once."""
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,6 +11,10 @@ from typing import Annotated, Any, Literal, NoReturn
 from cyclopts import App, CycloptsError, Parameter
 
 from ecfit.errors import EcfitError
+
+# Before NumPy loads: JAX has a pool of threads of its own, and where two pools share the cores small
+# factorisations take up to a hundred times longer (docs/performance.md).
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 app = App(
     name="ecfit",

@@ -56,7 +56,7 @@ class BSDF(eqx.Module):
         """How to integrate f: by default over the hemisphere; override it where there is a better way."""
         return Hemisphere(self.f, self.transmissive)
 
-    def eta(self) -> Array:
+    def relative_ior(self) -> Array:
         """n_transmitted / n_incident as seen by wo: scales the transmitted lobe in energy transport."""
         return jnp.asarray(1.0)
 

@@ -26,16 +26,21 @@ STATUSES = {
     "pole": "the denominator vanishes in the domain",
 }
 
-# Nodes an axis of the search for the minimum, and of its last steps. Smooth residuals need few: with 72 (256)
-# nodes the RMSE on 1024 x 1024 nodes is within 0.5 % (0.01 %) of its minimum, at a hundredth of the cost
-# (docs/performance.md). Smaller tables are used whole.
+# Nodes an axis of the search for the minimum, and of its last steps. Smooth residuals need few: the RMSE on
+# all of 1024 x 1024 nodes is within 0.1 % of its minimum up to degree 7 (docs/performance.md). Smaller tables
+# are used whole.
 _SEARCH_NODES = {1: 1024, 2: 72, 3: 24}
-_POLISH_NODES = {1: 4096, 2: 256, 3: 40}
+_POLISH_NODES = {1: 4096, 2: 128, 3: 32}
 # A barrier of this part of the start's RMS residual, then a tenth of it, leads round the poles at which a
 # plain descent would stop; without effect on the minimum, since the last descent has none. Denominators of
 # fewer coefficients than this reach one minimum from every start and need none (conductor, degree 1 to 5).
 _BARRIERS = (0.1, 0.01)
 _BARRIER_TERMS = 21
+# Relative change of coefficients and error at which a descent ends, and its steps at most. The search only
+# ranks the starts; flat valleys of high degrees would take thousands of steps for the last digit of the RMSE.
+_SEARCH = {"rtol": 1e-4, "max_steps": 300}
+_BARRIER = {"rtol": 1e-3, "max_steps": 300}
+_FINAL_RTOL = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +168,7 @@ class Fit:
 class Fitter:
     """Fits forms to one table, and remembers the solutions: each is a start for the next larger form."""
 
-    def __init__(self, table: Table, max_steps: int = 1000) -> None:
+    def __init__(self, table: Table, max_steps: int = 300) -> None:
         if not isinstance(table, Table):
             raise EcfitError(f"fit expects a Table, got {type(table).__name__}")
         self.table = table
@@ -180,19 +185,18 @@ class Fitter:
         terms = form.terms(len(table.axes))
         _check_finite(table)
         check_data(table.grid, form)
-        searched, solution, tried = self._search(form)
+        _, solution, tried = self._search(form)
         steps = solution.steps
         problem = Problem.of_table(table, terms)
-        if searched.rows < problem.rows:
-            if form.linear:
-                solution = linear_solution(problem)
-            else:
-                fine = problem.thinned(_POLISH_NODES.get(terms.variables, 12))
-                polished = solve(fine, (solution.p, solution.q), rtol=1e-5, max_steps=self.max_steps)
-                steps += polished.steps
-                # Last steps that end at a pole are not worth their smaller error.
-                if not _has_pole(fine, polished) or _has_pole(fine, solution):
-                    solution = polished
+        if form.linear:
+            solution = linear_solution(problem)
+        else:
+            fine = problem.thinned(_POLISH_NODES.get(terms.variables, 12))
+            final = solve(fine, (solution.p, solution.q), rtol=_FINAL_RTOL, max_steps=self.max_steps)
+            steps += final.steps
+            # Last steps that end at a pole are not worth their smaller error.
+            if not _has_pole(fine, final) or _has_pole(fine, solution):
+                solution = final
         approximation, smallest = self._in_monomials(solution, problem, form, label)
         return Fit(
             approximation,
@@ -230,14 +234,14 @@ class Fitter:
             starts.append(start)
             if len(problem.terms.denominator) >= _BARRIER_TERMS:
                 found.append(self._around_poles(problem, start))
-        return found + [solve(problem, start, max_steps=self.max_steps) for start in starts]
+        return found + [solve(problem, start, **_SEARCH) for start in starts]
 
     def _around_poles(self, problem: Problem, start: tuple[np.ndarray, np.ndarray]) -> Solution:
         rms = mean_square(problem, *start) ** 0.5
         for barrier in _BARRIERS:
-            solution = solve(problem, start, barrier=barrier * rms, rtol=1e-4, max_steps=self.max_steps)
+            solution = solve(problem, start, barrier=barrier * rms, **_BARRIER)
             start = solution.p, solution.q
-        return solve(problem, start, max_steps=self.max_steps)
+        return solve(problem, start, **_SEARCH)
 
     def _in_monomials(
         self, solution: Solution, problem: Problem, form: Form, name: str
@@ -271,14 +275,14 @@ def _has_pole(problem: Problem, solution: Solution) -> bool:
     )
 
 
-def fit(table: Table, form: Form, *, name: str | None = None, max_steps: int = 1000) -> Fit:
+def fit(table: Table, form: Form, *, name: str | None = None, max_steps: int = 300) -> Fit:
     """Fit a form to all entries of a table, in the least-squares sense.
 
     Args:
         table: what to approximate; clamped axes are seen at their nominal coordinates.
         form: `ecfit.Polynomial(degree)`, `ecfit.Rational(degree)`, ...
         name: for reports; made of form and degree by default.
-        max_steps: bound on the Levenberg-Marquardt steps of each start.
+        max_steps: bound on the last Levenberg-Marquardt descent, from the best start.
 
     Returns a `Fit`, whose `status` says whether the solver converged and whether the denominator stays
     positive on the domain: look at it. Raises `EcfitError` where the table has too few entries, or entries

@@ -127,7 +127,7 @@ class Problem:
     def guards(self) -> np.ndarray:
         """Denominator basis on a grid of its own (ends included), where a fit must not change sign."""
         variables = self.terms.variables
-        count = 65 if variables <= 2 else 17
+        count = 41 if variables <= 2 else 15
         axis = -np.cos(np.pi * np.arange(count) / (count - 1))
         powers = np.polynomial.chebyshev.chebvander(axis, self.terms.highest)
         mesh = np.meshgrid(*[np.arange(count)] * variables, indexing="ij")

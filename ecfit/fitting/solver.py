@@ -107,8 +107,8 @@ def solve(
     start: tuple[np.ndarray, np.ndarray],
     *,
     barrier: float = 0.0,
-    rtol: float = 1e-9,
-    max_steps: int = 1000,
+    rtol: float,
+    max_steps: int,
 ) -> Solution:
     """Minimise the weighted mean square residual from a start (p, q), plus barrier^2 x mean of 1 / Q^2."""
     p, q = start

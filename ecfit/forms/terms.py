@@ -89,7 +89,7 @@ class Terms:
                 exact = False
             if not exact or np.any(array < 0) or np.any(array > 100):
                 raise EcfitError(f"{name}: exponents must be a matrix of integers in 0..100")
-            if len({tuple(row) for row in array.tolist()}) < len(array):
+            if len(np.unique(array, axis=0)) < len(array):
                 raise EcfitError(f"{name}: an exponent row repeats")
             array.setflags(write=False)
             object.__setattr__(self, name, array)

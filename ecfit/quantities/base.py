@@ -47,7 +47,7 @@ class Quantity(eqx.Module):
         measure = model.measure()
         if self.transport == "radiance" or not model.transmissive or self.lobe == "reflection":
             return measure.albedo(mu, level, self.lobe)
-        eta = model.eta()
+        eta = model.relative_ior()
         transmitted = jax.tree.map(lambda v: eta * eta * v, measure.albedo(mu, level, "transmission"))
         if self.lobe == "transmission":
             return transmitted

@@ -1,0 +1,130 @@
+"""Fresnel factors: textbook values, symmetry of the two sides, and limits."""
+
+import numpy as np
+import pytest
+
+from ecfit._jax import jax, jnp
+from ecfit.microfacet import ConductorFresnel, DielectricFresnel, SchlickFresnel, UnitFresnel
+
+INDICES = (1.0, 1.05, 1.33, 1.5, 2.4, 4.0)
+# Not 0: there F = 1 for every index but 1, and 0 / 0 for that.
+X = jnp.asarray(np.linspace(0.001, 1.0, 200))
+
+
+def dielectric(eta, x):
+    return np.asarray(DielectricFresnel(jnp.asarray(eta))(jnp.asarray(x)))
+
+
+def conductor(eta, k, x):
+    return np.asarray(ConductorFresnel(jnp.asarray(eta), jnp.asarray(k))(jnp.asarray(x)))
+
+
+def by_complex_numbers(n: complex, x: np.ndarray) -> np.ndarray:
+    """Fresnel's equations as they stand, in complex arithmetic."""
+    transmitted = np.sqrt(1.0 - (1.0 - x**2) / n**2 + 0j)
+    s = (x - n * transmitted) / (x + n * transmitted)
+    p = (n * x - transmitted) / (n * x + transmitted)
+    return 0.5 * (abs(s) ** 2 + abs(p) ** 2)
+
+
+@pytest.mark.parametrize("eta", [*INDICES, 1 / 1.5, 1 / 3])
+def test_normal_incidence_has_the_closed_form(eta):
+    assert dielectric(eta, 1.0) == pytest.approx(((eta - 1) / (eta + 1)) ** 2, rel=1e-13, abs=1e-30)
+
+
+@pytest.mark.parametrize("eta", [*INDICES, 1 / 1.5])
+def test_a_dielectric_agrees_with_complex_arithmetic(eta):
+    np.testing.assert_allclose(dielectric(eta, X), by_complex_numbers(eta, np.asarray(X)), atol=1e-14)
+
+
+@pytest.mark.parametrize(("eta", "k"), [(0.2, 3.9), (1.5, 0.5), (0.05, 0.0), (3.0, 3.3), (20.0, 30.0)])
+def test_a_conductor_agrees_with_complex_arithmetic(eta, k):
+    np.testing.assert_allclose(
+        conductor(eta, k, X), by_complex_numbers(eta + 1j * k, np.asarray(X)), atol=1e-13
+    )
+
+
+def test_gold_in_the_red_reflects_as_published():
+    # eta + i k of gold at 652.5 nm (Johnson & Christy 1972): 0.166 + 3.15 i.
+    expected = ((0.166 - 1) ** 2 + 3.15**2) / ((0.166 + 1) ** 2 + 3.15**2)
+    assert conductor(0.166, 3.15, 1.0) == pytest.approx(expected, rel=1e-13)
+
+
+@pytest.mark.parametrize("eta", [1.33, 1.5, 2.4])
+def test_at_brewsters_angle_only_s_polarised_light_is_reflected(eta):
+    x = 1.0 / np.sqrt(1.0 + eta**2)  # tan(theta) = eta
+    assert dielectric(eta, x) == pytest.approx(0.5 * ((eta**2 - 1) / (eta**2 + 1)) ** 2, rel=1e-12)
+
+
+@pytest.mark.parametrize("eta", [1 / 1.05, 1 / 1.5, 0.3])
+def test_total_internal_reflection_begins_at_the_critical_angle(eta):
+    critical = np.sqrt(1.0 - eta**2)
+    assert np.all(dielectric(eta, np.linspace(0.0, critical * (1 - 1e-12), 50)) == 1.0)
+    assert dielectric(eta, critical + 1e-6) < 1.0
+
+
+@pytest.mark.parametrize("eta", INDICES)
+def test_both_sides_of_an_interface_reflect_alike(eta):
+    refracted = np.sqrt(1.0 - (1.0 - np.asarray(X) ** 2) / eta**2)
+    np.testing.assert_allclose(dielectric(1.0 / eta, refracted), dielectric(eta, X), atol=1e-12)
+
+
+def test_equal_indices_reflect_nothing():
+    assert dielectric(1.0, X).max() < 1e-20
+
+
+@pytest.mark.parametrize("eta", [1.0, 1.5, 3.0, 1 / 1.5])
+def test_a_conductor_without_absorption_is_a_dielectric(eta):
+    np.testing.assert_allclose(conductor(eta, 0.0, X), dielectric(eta, X), atol=1e-13)
+
+
+@pytest.mark.parametrize("make", [lambda: dielectric(1.5, 0.0), lambda: conductor(0.2, 3.9, 0.0)])
+def test_grazing_light_is_reflected_whole(make):
+    assert make() == pytest.approx(1.0, abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    "fresnel",
+    [
+        DielectricFresnel(jnp.asarray(1.5)),
+        DielectricFresnel(jnp.asarray(0.6)),
+        ConductorFresnel(jnp.asarray(0.2), jnp.asarray(3.9)),
+        SchlickFresnel(jnp.asarray(0.04), jnp.asarray(1.0)),
+        UnitFresnel(),
+    ],
+    ids=["entering", "leaving", "conductor", "schlick", "unit"],
+)
+def test_reflectance_lies_in_the_unit_interval_and_has_finite_slopes(fresnel):
+    x = jnp.linspace(0.0, 1.0, 301)
+    value, slope = jax.vmap(jax.value_and_grad(fresnel))(x)
+    assert float(jnp.min(value)) >= 0.0
+    assert float(jnp.max(value)) <= 1.0 + 1e-15
+    assert np.all(np.isfinite(slope))
+
+
+def test_gradients_in_the_index_are_finite_under_total_reflection():
+    slope = jax.grad(lambda eta: DielectricFresnel(eta)(jnp.asarray(0.3)))(0.6)
+    assert float(slope) == 0.0
+
+
+@pytest.mark.parametrize(("eta", "k", "x"), [(0.2, 3.9, 0.5), (1.5, 0.7, 0.1), (3.0, 2.0, 1.0)])
+def test_gradients_in_a_conductors_index_agree_with_differences(eta, k, x):
+    def value(e, kk):
+        return ConductorFresnel(e, kk)(jnp.asarray(x))
+
+    h = 1e-6
+    by_eta, by_k = jax.grad(value, (0, 1))(eta, k)
+    assert float(by_eta) == pytest.approx(float(value(eta + h, k) - value(eta - h, k)) / (2 * h), abs=1e-8)
+    assert float(by_k) == pytest.approx(float(value(eta, k + h) - value(eta, k - h)) / (2 * h), abs=1e-8)
+
+
+def test_schlick_takes_F0_at_the_normal_and_F90_at_grazing():
+    schlick = SchlickFresnel(jnp.asarray(0.04), jnp.asarray(0.9))
+    assert float(schlick(jnp.asarray(1.0))) == 0.04
+    assert float(schlick(jnp.asarray(0.0))) == pytest.approx(0.9, rel=1e-15)
+    # Schlick 1994, eq. 15, by hand at x = 1/2.
+    assert float(schlick(jnp.asarray(0.5))) == pytest.approx(0.04 + 0.86 / 32, rel=1e-15)
+
+
+def test_unit_reflects_everything():
+    assert np.all(np.asarray(UnitFresnel()(X)) == 1.0)
