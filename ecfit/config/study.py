@@ -210,7 +210,8 @@ def _where(path: Path, lines: Mapping[tuple[str | int, ...], int], location: Seq
 def _messages(path: Path, text: str, error: ValidationError) -> list[str]:
     lines = key_lines(text)
     out: list[str] = []
-    for fault in error.errors():
+    # A missing key is often a misspelt one: the misspelling, which says so, comes first.
+    for fault in sorted(error.errors(), key=lambda f: f["type"] == "missing"):
         location = fault["loc"]
         if fault["type"] == "missing":
             message = "this key is missing"

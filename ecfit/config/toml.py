@@ -10,7 +10,7 @@ Path = tuple[str | int, ...]
 # One token of TOML: what can hide brackets and equals signs (strings, comments) comes first.
 _TOKEN = re.compile(
     r'(?P<string>"""(?:\\.|[^\\])*?"""|\'\'\'.*?\'\'\'|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\')'
-    r"|(?P<comment>#[^\n]*)|(?P<newline>\n)|(?P<mark>\[\[|\]\]|[\[\]{},=.])|(?P<bare>[^\s\[\]{},=.#\"']+)",
+    r"|(?P<comment>#[^\n]*)|(?P<newline>\n)|(?P<mark>[\[\]{},=.])|(?P<bare>[^\s\[\]{},=.#\"']+)",
     re.DOTALL,
 )
 
@@ -46,7 +46,7 @@ class _Locator:
 
     def key(self) -> tuple[list[str], int]:
         parts, line = [], self.tokens[self.at][2]
-        while self.peek() not in ("=", "]", "]]", ""):
+        while self.peek() not in ("=", "]", ""):
             kind, value, _ = self.take()
             if value != ".":
                 parts.append(_unquoted(kind, value))
@@ -57,13 +57,17 @@ class _Locator:
             self.lines.setdefault(path[:depth], line)
 
     def header(self) -> Path:
-        _, opening, _ = self.take()
-        parts, line = self.key()
         self.take()
+        array = self.peek() == "["
+        if array:
+            self.take()
+        parts, line = self.key()
+        for _ in range(1 + array):
+            self.take()
         path: Path = ()
         for i, part in enumerate(parts):
             path = (*path, part)
-            if opening == "[[" and i == len(parts) - 1:
+            if array and i == len(parts) - 1:
                 self.arrays[path] = self.arrays.get(path, -1) + 1
             if path in self.arrays:
                 path = (*path, self.arrays[path])
@@ -71,36 +75,25 @@ class _Locator:
         return path
 
     def value(self, path: Path) -> None:
-        opening = self.peek()
-        if opening in ("[", "[["):
-            # `[[` inside a value is an array in an array.
-            self.take()
+        opening = self.take()[1]
+        if opening == "[":
             index = 0
-            inner = (*path, 0) if opening == "[[" else path
-            depth = 2 if opening == "[[" else 1
-            while depth:
-                token = self.peek()
-                if token in ("]", "]]"):
-                    depth -= len(token)
-                    self.take()
-                elif token == ",":
-                    index += 1
-                    self.take()
-                elif token == "\n":
-                    self.take()
+            while self.peek() != "]":
+                if self.peek() in (",", "\n"):
+                    index += self.take()[1] == ","
                 else:
-                    self.note((*inner, index), self.tokens[self.at][2])
-                    self.value((*inner, index))
-        elif opening == "{":
+                    self.note((*path, index), self.tokens[self.at][2])
+                    self.value((*path, index))
             self.take()
+        elif opening == "{":
             while self.peek() != "}":
                 if self.peek() in (",", "\n"):
                     self.take()
-                    continue
-                self.pair(path)
+                else:
+                    self.pair(path)
             self.take()
         else:
-            while self.peek() not in (",", "\n", "]", "]]", "}", ""):
+            while self.peek() not in (",", "\n", "]", "}", ""):
                 self.take()
 
     def pair(self, table: Path) -> None:
@@ -116,7 +109,7 @@ class _Locator:
             token = self.peek()
             if token == "\n":
                 self.take()
-            elif token in ("[", "[["):
+            elif token == "[":
                 table = self.header()
             else:
                 self.pair(table)
@@ -138,11 +131,16 @@ def _value(value: Any) -> str:
         return "[" + ", ".join(_value(v) for v in value) + "]"
     if isinstance(value, bool):
         return "true" if value else "false"
-    return json.dumps(value, ensure_ascii=False)
+    return _quoted(value)
+
+
+def _quoted(value: str | float) -> str:
+    """JSON writes strings and numbers as TOML does, but for the one control character that it leaves."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _key(key: str) -> str:
-    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else json.dumps(key)
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else _quoted(key)
 
 
 def to_toml(data: Mapping[str, Any]) -> str:

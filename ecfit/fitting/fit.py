@@ -185,18 +185,11 @@ class Fitter:
         terms = form.terms(len(table.axes))
         _check_finite(table)
         check_data(table.grid, form)
-        _, solution, tried = self._search(form)
-        steps = solution.steps
         problem = Problem.of_table(table, terms)
         if form.linear:
-            solution = linear_solution(problem)
+            solution, steps, tried = linear_solution(problem), 1, 1
         else:
-            fine = problem.thinned(_POLISH_NODES.get(terms.variables, 12))
-            final = solve(fine, (solution.p, solution.q), rtol=_FINAL_RTOL, max_steps=self.max_steps)
-            steps += final.steps
-            # Last steps that end at a pole are not worth their smaller error.
-            if not _has_pole(fine, final) or _has_pole(fine, solution):
-                solution = final
+            _, solution, steps, tried = self.descend(form)
         approximation, smallest = self._in_monomials(solution, problem, form, label)
         return Fit(
             approximation,
@@ -208,6 +201,21 @@ class Fitter:
             tried,
             str(table.provenance.get("key", "")),
         )
+
+    def descend(self, form: Form) -> tuple[Problem, Solution, int, int]:
+        """The thinned problem, its minimum from the best start, steps, and number of starts.
+
+        For forms with a denominator; `fit` judges the solution on the whole table.
+        """
+        _, solution, tried = self._search(form)
+        whole = Problem.of_table(self.table, form.terms(len(self.table.axes)))
+        fine = whole.thinned(_POLISH_NODES.get(whole.terms.variables, 12))
+        final = solve(fine, (solution.p, solution.q), rtol=_FINAL_RTOL, max_steps=self.max_steps)
+        steps = solution.steps + final.steps
+        # Last steps that end at a pole are not worth their smaller error.
+        if not _has_pole(fine, final) or _has_pole(fine, solution):
+            solution = final
+        return fine, solution, steps, tried
 
     def _search(self, form: Form) -> tuple[Problem, Solution, int]:
         """The best solution of several starts on a thinned table, the problem, and the number of starts."""

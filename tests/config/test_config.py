@@ -1,0 +1,165 @@
+"""What a study file may say, and how a fault in one is told."""
+
+import random
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+import ecfit.config
+from ecfit.config import CHOICES, StudyConfig, read_config
+from ecfit.errors import EcfitError
+
+ROOT = Path(__file__).parent.parent.parent
+
+GOOD = """name = "q"
+[[tables]]
+name = "c"
+model = "conductor"
+options = { masking = "separable" }
+axes = { r = 8, mu = { count = 8, spacing = "gauss" } }
+[[fits]]
+tables = ["c"]
+form = "rational"
+degree = [1, 2]
+[[fits]]
+tables = ["c"]
+form = "rational"
+numerator = [2, 3]
+denominator = 1
+"""
+
+
+def read(tmp_path: Path, text: str) -> StudyConfig:
+    path = tmp_path / "study.toml"
+    path.write_text(text)
+    return read_config(path)
+
+
+@pytest.mark.parametrize(
+    "path", sorted((ROOT / "configs").glob("*.toml")) + [ROOT / "examples" / "ward.toml"]
+)
+def test_shipped_configs_are_valid(path: Path):
+    assert read_config(path).tables
+
+
+def test_short_forms_stand_for_long_ones(tmp_path: Path):
+    config = read(tmp_path, GOOD)
+    assert config.tables[0].axes["r"].count == 8
+    assert config.tables[0].axes["r"].spacing == "uniform"
+    assert config.fits[0].settings() == [{"degree": 1}, {"degree": 2}]
+    assert config.fits[1].settings() == [
+        {"numerator": 2, "denominator": 1},
+        {"numerator": 3, "denominator": 1},
+    ]
+    nodes = read(tmp_path, GOOD.replace("r = 8", "r = [0.1, 0.5]")).tables[0].axes["r"].nodes
+    assert nodes == [0.1, 0.5]
+
+
+@pytest.mark.parametrize(
+    ("change", "line", "words"),
+    [
+        (('name = "q"', 'nmae = "q"'), 1, ("nmae", "unknown key", "did you mean 'name'")),
+        (('name = "q"', 'name = "../../q"'), 1, ("name", "plain word")),
+        (('name = "q"', 'name = ".hidden"'), 1, ("name", "plain word")),
+        (('name = "q"', "name = 3"), 1, ("name", "3")),
+        (("model = ", "modle = "), 4, ("modle", "did you mean 'model'")),
+        (('spacing = "gauss"', 'spacing = "gaus"'), 6, ("spacing", "uniform", "did you mean 'gauss'")),
+        (("r = 8", "r = 1"), 6, ("axes.r", "greater than or equal to 2")),
+        (("r = 8", "r = 1e400"), 6, ("axes.r", "a count, a list of nodes")),
+        (("r = 8", 'r = "8"'), 6, ("axes.r", "a count, a list of nodes")),
+        (("r = 8", "r = true"), 6, ("axes.r", "a count, a list of nodes")),
+        (("count = 8,", "count = 8, nodes = [1.0, 2.0],"), 6, ("axes.mu", "either count or nodes")),
+        (("degree = [1, 2]", "degree = 0"), 7, ("fits", "1 or more")),
+        (("degree = [1, 2]", "degree = [1, 200]"), 10, ("fits.degree", "less than or equal to 20")),
+        (("degree = [1, 2]", "degree = []"), 10, ("fits.degree", "at least 1")),
+        (("degree = [1, 2]", 'degree = "3"'), 10, ("fits.degree", "list")),
+        (("degree = [1, 2]\n", ""), 7, ("fits", "either degree, or both")),
+        (('form = "rational"', 'form = "ratoinal"'), 9, ("form", "polynomial, rational", "did you mean 'rational'")),
+        (('tables = ["c"]', 'tables = ["d"]'), 8, ("no table 'd'", "c")),
+        (("denominator = 1", 'denominator = 1\nextra = "x"'), 16, ("extra", "unknown key")),
+    ],
+)  # fmt: skip
+def test_a_fault_is_told_with_file_line_key_and_remedy(tmp_path: Path, change, line: int, words):
+    assert change[0] in GOOD
+    with pytest.raises(EcfitError) as caught:
+        read(tmp_path, GOOD.replace(*change, 1))
+    first = str(caught.value).splitlines()[0]
+    assert first.startswith(f"{tmp_path / 'study.toml'}:{line}: "), first
+    for word in words:
+        assert word in first
+
+
+def test_all_faults_are_told_at_once(tmp_path: Path):
+    text = GOOD.replace("model = ", "modle = ").replace("degree = [1, 2]", "degree = 99")
+    with pytest.raises(EcfitError) as caught:
+        read(tmp_path, text)
+    assert len(str(caught.value).splitlines()) == 3  # an unknown key, the missing one, the degree
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "the file is empty"),
+        ("# nothing\n", "the file is empty"),
+        ("name = ", "not valid TOML"),
+        ("x = " + "[" * 5000, "not valid TOML"),
+        ('name = "q"\n', "tables: this key is missing"),
+        (GOOD + GOOD.split("[[fits]]")[0].split("\n", 1)[1], "'c' is used twice"),
+    ],
+)
+def test_broken_files_are_told(tmp_path: Path, text: str, words: str):
+    with pytest.raises(EcfitError, match=words):
+        read(tmp_path, text)
+
+
+def test_a_file_that_is_not_text_is_told(tmp_path: Path):
+    (tmp_path / "study.toml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(EcfitError, match="not a text file"):
+        read_config(tmp_path / "study.toml")
+    with pytest.raises(EcfitError, match="cannot read"):
+        read_config(tmp_path)
+
+
+def test_no_mutation_of_a_config_gives_anything_but_a_config_or_an_error(tmp_path: Path):
+    rng = random.Random(0)
+    pieces = [
+        "[",
+        "]",
+        "{",
+        "}",
+        "=",
+        '"',
+        "\n",
+        ",",
+        ".",
+        "#",
+        "-1",
+        "1e99",
+        "true",
+        "''",
+        "nan",
+        "name",
+        "\\",
+        "é",
+    ]
+    accepted = 0
+    for _ in range(1500):
+        text = GOOD
+        for _ in range(rng.randint(1, 3)):
+            at = rng.randrange(len(text))
+            text = text[:at] + rng.choice([*pieces, ""]) + text[at + rng.randint(0, 4) :]
+        try:
+            accepted += isinstance(read(tmp_path, text), StudyConfig)
+        except EcfitError as error:
+            message = str(error)
+        else:
+            continue
+        assert message.startswith(str(tmp_path / "study.toml"))
+    assert 0 < accepted < 1500
+
+
+@pytest.mark.parametrize(("section", "field"), list(CHOICES))
+def test_the_allowed_words_are_those_of_the_code(section: str, field: str):
+    annotation = getattr(ecfit.config, section).model_fields[field].annotation
+    assert set(get_args(annotation)) == CHOICES[section, field]
