@@ -3,7 +3,8 @@
     python benchmarks/thinning.py        # a few minutes
 
 `ecfit.fit` fits large tables on a part of their nodes that is weighted to stand for all
-(`ecfit.fitting.problem`). Here the descent goes on from there on all nodes of the clamped 1024 x 1024 conductor table.
+(`ecfit.fitting.problem`). Here the descent goes on from there on all nodes of the
+clamped 1024 x 1024 conductor table.
 """
 
 import common

@@ -3,6 +3,7 @@
 Reference integrals here use NumPy only and none of ecfit's rules, maps or formulas.
 """
 
+import itertools
 import math
 import signal
 from collections.abc import Callable, Iterator, Sequence
@@ -39,7 +40,7 @@ def graded_edges(points: Sequence[float], depth: int) -> np.ndarray:
     """Edges of panels that halve `depth` times towards each of the increasing `points`."""
     near = 0.5 ** np.arange(1, depth + 1)
     pieces = [np.asarray(points, dtype=float)]
-    for low, high in zip(points[:-1], points[1:], strict=True):
+    for low, high in itertools.pairwise(points):
         pieces += [low + (high - low) * near, high - (high - low) * near]
     return np.unique(np.concatenate(pieces))
 

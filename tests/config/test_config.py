@@ -37,7 +37,7 @@ def read(tmp_path: Path, text: str) -> StudyConfig:
 
 
 @pytest.mark.parametrize(
-    "path", sorted((ROOT / "configs").glob("*.toml")) + [ROOT / "examples" / "ward.toml"]
+    "path", [*sorted((ROOT / "configs").glob("*.toml")), ROOT / "examples" / "ward.toml"]
 )
 def test_shipped_configs_are_valid(path: Path):
     assert read_config(path).tables
@@ -75,7 +75,7 @@ def test_short_forms_stand_for_long_ones(tmp_path: Path):
         (("degree = [1, 2]", "degree = []"), 10, ("fits.degree", "at least 1")),
         (("degree = [1, 2]", 'degree = "3"'), 10, ("fits.degree", "list")),
         (("degree = [1, 2]\n", ""), 7, ("fits", "either degree, or both")),
-        (('form = "rational"', 'form = "ratoinal"'), 9, ("form", "polynomial, rational", "did you mean 'rational'")),
+        (('form = "rational"', 'form = "ratoinal"'), 9, ("polynomial, rational", "did you mean 'rational'")),
         (('tables = ["c"]', 'tables = ["d"]'), 8, ("no table 'd'", "c")),
         (("denominator = 1", 'denominator = 1\nextra = "x"'), 16, ("extra", "unknown key")),
     ],

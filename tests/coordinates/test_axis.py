@@ -108,7 +108,16 @@ def test_a_count_must_be_an_integer_of_two_or_more(spacing, count):
 
 @pytest.mark.parametrize(
     ("low", "high"),
-    [(1.0, 0.0), (0.5, 0.5), (0.0, np.inf), (np.nan, 1.0), (0.0, np.nan), ("a", 1.0), (0, 10**400), (None, 1.0)],
+    [
+        (1.0, 0.0),
+        (0.5, 0.5),
+        (0.0, np.inf),
+        (np.nan, 1.0),
+        (0.0, np.nan),
+        ("a", 1.0),
+        (0, 10**400),
+        (None, 1.0),
+    ],
 )
 def test_a_range_must_be_finite_and_not_empty(low, high):
     with pytest.raises(EcfitError, match="axis 'mu'"):

@@ -18,7 +18,7 @@ def test_G1_is_one_over_one_plus_lambda(name):
     ndf = NDFS[name]
     g1 = G1(ndf, MU_O, ALPHA)
     np.testing.assert_allclose(g1, 1.0 / (1.0 + Lambda(ndf, MU_O, ALPHA)), rtol=1e-14)
-    assert 0.0 <= float(jnp.min(g1))
+    assert float(jnp.min(g1)) >= 0.0
     assert float(jnp.max(g1)) <= 1.0 + 1e-15
 
 

@@ -1,0 +1,29 @@
+"""Linear least squares in blocks against NumPy's."""
+
+import numpy as np
+import pytest
+
+from ecfit.fitting.linear import linear_least_squares
+from ecfit.fitting.problem import Problem
+from ecfit.forms import Polynomial
+
+
+@pytest.mark.parametrize(("shape", "degree"), [((9, 8), 3), ((150, 140), 5), ((40, 40), 20)])
+def test_normal_equations_in_blocks_give_the_least_squares_solution(shape, degree, make_table, unit_axis):
+    """150 x 140 rows take two blocks; degree 20 is where plain monomials would have lost all digits."""
+    table = make_table(lambda x, y: np.exp(x * y) + abs(x - 0.4), unit_axis("r", shape[0]), unit_axis("mu", shape[1]))
+    problem = Problem.of_table(table, Polynomial(degree).terms(2))
+    found = linear_least_squares(problem)
+    expected = np.linalg.lstsq(problem.columns[0], problem.values, rcond=None)[0]
+    np.testing.assert_allclose(found, expected, atol=1e-10)
+
+
+def test_weights_count_rows(make_table, unit_axis):
+    """A row of weight 2 is a row given twice."""
+    axis = unit_axis("r", 6)
+    problem = Problem.of_table(make_table(lambda x: np.sqrt(x), axis), Polynomial(2).terms(1))
+    twice = np.r_[np.arange(6), 0, 3]
+    weights = np.bincount(twice, minlength=6).astype(float)
+    weighted = Problem(problem.terms, problem.domain, problem.powers, problem.index, problem.values, weights)
+    expected = np.linalg.lstsq(problem.columns[0][twice], problem.values[twice], rcond=None)[0]
+    np.testing.assert_allclose(linear_least_squares(weighted), expected, atol=1e-12)
