@@ -44,9 +44,8 @@ class Undefined(Sound):
 class BadGradient(Sound):
     def f(self, wo, wi):
         # The classic: a root in the branch that is not taken.
-        return jnp.where(wi[2] > 0.5, jnp.sqrt(wi[2] - 0.5 + 0.0 * self.rho), self.rho / jnp.pi) * (
-            wi[2] > 0.0
-        )
+        root = jnp.where(wi[2] > 0.5, jnp.sqrt(self.rho * (wi[2] - 0.5)), self.rho / jnp.pi)
+        return jnp.where(wi[2] > 0.0, root, 0.0)
 
 
 class Vector(Sound):

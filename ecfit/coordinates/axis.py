@@ -93,9 +93,13 @@ class Axis:
         """
         if not isinstance(count, numbers.Integral) or isinstance(count, bool) or count < 2:
             raise EcfitError(f"axis '{name}': count must be an integer >= 2, got {count!r}")
+        try:
+            low, high = float(low), float(high)
+        except (TypeError, ValueError, OverflowError):
+            raise EcfitError(f"axis '{name}': the ends of its range must be numbers") from None
         if not (np.isfinite(low) and np.isfinite(high) and low < high):
             raise EcfitError(f"axis '{name}': needs a finite range with low < high, got [{low}, {high}]")
-        if through not in MAPS:
+        if not isinstance(through, str) or through not in MAPS:
             raise unknown("map", through, MAPS)
         count = int(count)
         if spacing == "given":
@@ -108,9 +112,13 @@ class Axis:
             nominal = np.linspace(0.0, 1.0, count)
             return cls(name, np.clip(nominal, low, high), nominal, spacing)
         map_ = MAPS[through]
-        if low < map_.low or high > map_.high:
+        ends = np.array([low, high])
+        with np.errstate(all="ignore"):
+            t_low, t_high = map_.inverse(ends)
+            back = map_.forward(np.array([t_low, t_high]))
+        # An end that the map does not reach does not come back from it.
+        if not (map_.low <= t_low < t_high <= map_.high and np.allclose(back, ends, rtol=1e-9, atol=1e-12)):
             raise EcfitError(f"axis '{name}': [{low}, {high}] is outside the range of the map '{through}'")
-        t_low, t_high = map_.inverse(low), map_.inverse(high)
         nodes = np.asarray(map_.forward(t_low + (t_high - t_low) * _unit_nodes(spacing, count)))
         if spacing != "gauss":
             nodes[0], nodes[-1] = low, high  # exact ends, whatever the map's rounding
@@ -119,7 +127,7 @@ class Axis:
     @classmethod
     def given(cls, name: str, nodes: ArrayLike) -> "Axis":
         """An axis with the given increasing nodes."""
-        return cls(name, np.asarray(nodes), np.asarray(nodes))
+        return cls(name, nodes, nodes)  # type: ignore[arg-type]
 
     @property
     def clamped(self) -> bool:

@@ -146,7 +146,7 @@ class Fit:
                 Minimum(
                     float(smallest["value"]), tuple(map(float, smallest["place"])), float(smallest["bound"])
                 ),
-                (float(fitted["prediction"][0]), float(fitted["prediction"][1])),
+                _range(fitted["prediction"]),
                 fitted["status"],
                 int(fitted["iterations"]),
                 int(fitted["starts"]),
@@ -163,6 +163,12 @@ class Fit:
     def load(cls, path: str | Path) -> "Fit":
         """Read JSON written by `save`; raises `EcfitError` for anything else."""
         return cls.from_dict(read_json(Path(path)), f"'{path}'")
+
+
+def _range(ends: Any) -> tuple[float, float]:
+    """(low, high) from JSON, where null stands for infinity."""
+    low, high = ends
+    return (-np.inf if low is None else float(low), np.inf if high is None else float(high))
 
 
 class Fitter:

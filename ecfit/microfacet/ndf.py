@@ -76,12 +76,13 @@ class Beckmann(NDF):
         return jnp.exp(-t2 / a2) / (jnp.pi * a2 * c2 * c2)
 
     def mu_lambda(self, mu: Array, alpha: Array) -> Array:
-        t = alpha * jnp.sqrt(jnp.maximum((1.0 - mu) * (1.0 + mu), 1e-300))
-        a = mu / jnp.maximum(t, 1e-300)
-        # Beyond a = 27 exp(-a^2) and erfc(a) underflow: the cap keeps their derivatives finite.
-        a = jnp.minimum(a, 27.0)
+        s2 = (1.0 - mu) * (1.0 + mu)
+        t = alpha * jnp.where(s2 > 0.0, jnp.sqrt(jnp.where(s2 > 0.0, s2, 1.0)), 0.0)
+        # Beyond a = 26 exp(-a^2) and erfc(a) underflow. The inner `where` keeps derivatives finite there.
+        small = mu < 26.0 * t
+        a = jnp.where(small, mu / jnp.where(small, t, 1.0), 26.0)
         gauss = t * jnp.exp(-a * a) / (2.0 * jnp.sqrt(jnp.pi))
-        return gauss - 0.5 * mu * jax.scipy.special.erfc(a)
+        return jnp.maximum(gauss - 0.5 * mu * jax.scipy.special.erfc(a), 0.0)
 
     def slope_rule(self, num: Array, den: Array, u: Array) -> tuple[Array, Array, Array]:
         # Where the true end is beyond the cut, integrate to the cut; the switch costs nothing visible

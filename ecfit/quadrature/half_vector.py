@@ -28,6 +28,8 @@ Array = jax.Array
 _SCALE_FLOOR = 1e-6
 # Added to mu: makes mu = 0 the limit of small mu, and (alpha, mu) = (0, 0) a mirror's (E = F(0)).
 _TINY = 1e-100
+# Taken from mu, relatively: at mu = 1 the derivative of sin(theta_o) is infinite, though that of E is not.
+_BELOW_ONE = 1e-13
 
 
 def azimuths(mu: Array, t: np.ndarray) -> tuple[Array, Array]:
@@ -62,6 +64,10 @@ class HalfVectorReflection(Measure):
     confirm: ClassVar[bool] = False
     # (nodes in slope, nodes in azimuth) of each level.
     ORDERS: ClassVar[tuple[tuple[int, int], ...]] = ((32, 24), (44, 36), (64, 52), (96, 80), (144, 120))
+    # Least error estimate of each level. Near the normal GGX's coefficients fall algebraically, slower than
+    # the decay that the estimate continues: over 18,000 random points of each of 4 variants the true error
+    # exceeded it by 6e-10, 6e-11, 3e-11 and 4e-11 at most.
+    FLOORS: ClassVar[tuple[float, ...]] = (2e-9, 2e-10, 1e-10, 1e-10, 2e-11)
 
     @property
     def levels(self) -> tuple[int, ...]:
@@ -71,8 +77,8 @@ class HalfVectorReflection(Measure):
         if lobe == "transmission":
             return Estimate(jnp.zeros_like(mu), jnp.zeros_like(mu))
         slope, azimuth = (graded(0, count) for count in self.ORDERS[level])
-        alpha, mu = self.alpha, mu + _TINY
-        s = jnp.sqrt(jnp.maximum((1.0 - mu) * (1.0 + mu), 0.0))
+        alpha, mu = self.alpha, mu * (1.0 - _BELOW_ONE) + _TINY
+        s = jnp.sqrt((1.0 - mu) * (1.0 + mu))
         c, jacobian = azimuths(mu, azimuth.nodes)
         num, den = horizon(mu, s, c)
         # Shapes below: (azimuth, slope).
@@ -82,4 +88,5 @@ class HalfVectorReflection(Measure):
         mu_i = jnp.maximum(2.0 * p * d / r2 - mu, 0.0)
         g = masking_shadowing(self.ndf, self.masking, mu, mu_i, alpha) * mu_i
         x = jnp.minimum(p / jnp.sqrt(r2), 1.0)
-        return integrate(jacobian[:, None] * (self.fresnel(x) * g * p * w), azimuth, slope)
+        found = integrate(jacobian[:, None] * (self.fresnel(x) * g * p * w), azimuth, slope)
+        return Estimate(found.value, jnp.maximum(found.error, self.FLOORS[level]))

@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from typing import ClassVar
 
+import numpy as np
+
 from ecfit._jax import jax, jnp
 from ecfit.quadrature.measure import Measure
 from ecfit.quadrature.rules import Estimate, graded, integrate
@@ -42,8 +44,21 @@ class Hemisphere(Measure):
         sides = 2 if self.transmissive else 1
         return tuple(4 * sides * ((depth + 1) * count) ** 2 for depth, count in self.ORDERS)
 
+    @staticmethod
+    def _hidden(f: Callable[[Array], Array], theta_o: Array, largest: Array, depth: int) -> Array:
+        """Energy of a peak at the mirror direction that falls between the nodes, from a few values of f.
+
+        Compares f at angles pi 2^-k off that direction, within the innermost panels, with its largest value
+        on the nodes; an excess stands for its annulus.
+        """
+        delta = jnp.pi * 0.5 ** np.arange(depth + 1, 40)
+        sides = jnp.clip(theta_o + jnp.stack([delta, -delta]), 0.0, 0.5 * jnp.pi)
+        excess = jnp.maximum(jnp.abs(jax.vmap(jax.vmap(f))(sides)) - largest, 0.0)
+        return jnp.sum(jnp.max(excess, axis=0) * jnp.pi * delta * delta) * jnp.cos(theta_o)
+
     def albedo(self, mu: Array, level: int, lobe: str) -> Estimate:
-        rule = graded(*self.ORDERS[level])
+        depth, count = self.ORDERS[level]
+        rule = graded(depth, count)
         x, width = jnp.asarray(rule.nodes), jnp.asarray(rule.widths)
         theta_o = jnp.arccos(jnp.clip(mu, 0.0, 1.0))
         wo = jnp.stack([jnp.sin(theta_o), jnp.zeros_like(mu), mu])
@@ -62,7 +77,9 @@ class Hemisphere(Measure):
                 return self.f(wo, wi)
 
             values = jax.vmap(jax.vmap(value, (None, 0)), (0, None))(theta, phi)
-            return integrate(values * w_theta[:, None] * w_phi, rule, rule)
+            found = integrate(values * w_theta[:, None] * w_phi, rule, rule)
+            hidden = self._hidden(lambda t: value(t, jnp.pi), theta_o, jnp.max(jnp.abs(values)), depth)
+            return Estimate(found.value, found.error + jax.lax.stop_gradient(hidden))
 
         none = Estimate(jnp.zeros_like(mu), jnp.zeros_like(mu))
         reflected = none if lobe == "transmission" else side(1.0)

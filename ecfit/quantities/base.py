@@ -42,6 +42,10 @@ class Quantity(eqx.Module):
     def estimate(self, model: BSDF, mu: Array, level: int) -> Estimate:
         """The quantity at one point by the rules of one level (static); mu is ignored where unused."""
 
+    def confirm(self, model: BSDF) -> bool:
+        """Whether an estimate counts only once the next level agrees (see `Measure.confirm`)."""
+        return model.measure().confirm
+
     def directional(self, model: BSDF, mu: Array, level: int) -> Estimate:
         """The directional albedo of the chosen lobe in the chosen transport."""
         measure = model.measure()
@@ -68,6 +72,10 @@ class DirectionalAlbedo(Quantity):
 
 class AverageAlbedo(Quantity):
     """E_avg = 2 x integral of E(mu) mu dmu over [0, 1] (Sforza & Pellacini 2022, eq. 5)."""
+
+    def confirm(self, model: BSDF) -> bool:
+        # E(mu) turns within mu ~ alpha, which may fall between the nodes of the average.
+        return True
 
     @staticmethod
     def _count(level: int) -> int:

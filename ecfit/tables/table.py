@@ -3,6 +3,7 @@
 import io
 import json
 import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -138,7 +139,10 @@ class Table:
                 )
         except EcfitError as error:
             raise EcfitError(f"'{path}' holds an invalid table: {error}") from None
-        except (zipfile.BadZipFile, OSError, EOFError, KeyError, ValueError, TypeError, AttributeError):
+        except (
+            zipfile.BadZipFile, zlib.error, OSError, EOFError, KeyError, ValueError, TypeError, AttributeError,
+            OverflowError, RuntimeError, MemoryError,
+        ):  # fmt: skip
             raise EcfitError(
                 f"'{path}' is damaged or not an ecfit table: delete it and run again to recompute it"
             ) from None

@@ -143,7 +143,7 @@ class Request:
         }
         digest = hashlib.sha256(json.dumps(text, sort_keys=True).encode())
         for axis in self.grid.axes:
-            digest.update(axis.name.encode())
+            digest.update(repr((axis.name, axis.spacing, axis.through, axis.low, axis.high)).encode())
             digest.update(axis.nodes.tobytes())
             digest.update(axis.nominal.tobytes())
         return digest.hexdigest()[:16]
@@ -163,7 +163,7 @@ class Request:
                 lambda *a: _evaluate(self.model, self.quantity, parameters, level, a), arrays, block
             )
 
-        confirm = self.model.measure().confirm
+        confirm = self.quantity.confirm(self.model)
         done = refine(evaluate, self.grid.size, len(nodes), self.tolerance, confirm, progress)
         shape = self.grid.shape
         provenance = {**versions(), "key": self.key}

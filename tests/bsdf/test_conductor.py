@@ -51,9 +51,8 @@ def test_f_has_the_microfacet_formula(ndf, masking, reference_lambda):
 
 @each_ndf
 @each_masking
-@pytest.mark.parametrize("fresnel", ["unit", "exact"])
-def test_f_is_reciprocal_and_positive(ndf, masking, fresnel):
-    model = ecfit.model("conductor", ndf=ndf, masking=masking, fresnel=fresnel, alpha=0.6)
+def test_f_is_reciprocal_and_positive(ndf, masking):
+    model = ecfit.model("conductor", ndf=ndf, masking=masking, fresnel="exact", alpha=0.6)
     there, back = values(model, WO, WI), values(model, WI, WO)
     np.testing.assert_allclose(there, back, rtol=1e-12)
     assert there.min() >= 0.0

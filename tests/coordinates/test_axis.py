@@ -124,10 +124,10 @@ def test_a_range_must_be_finite_and_not_empty(low, high):
         Axis.spaced("mu", 4, low, high)
 
 
-@pytest.mark.parametrize("low_high", [(-0.1, 1.0), (0.0, 1.1)])
-def test_a_clamped_axis_lies_in_the_unit_interval(low_high):
+@pytest.mark.parametrize(("low", "high"), [(-0.1, 1.0), (0.0, 1.1)])
+def test_a_clamped_axis_lies_in_the_unit_interval(low, high):
     with pytest.raises(EcfitError, match="clamped"):
-        Axis.spaced("mu", 4, *low_high, "clamped")
+        Axis.spaced("mu", 4, low, high, "clamped")
 
 
 def test_a_clamped_axis_takes_no_map():

@@ -51,11 +51,10 @@ def test_infinite_errors_and_predictions_survive_the_file(poled, tmp_path):
     assert again.prediction == (-np.inf, np.inf)
 
 
-@pytest.mark.parametrize("degree", [1, 2])
-def test_a_fit_that_calls_itself_converged_has_no_pole(degree, make_table, unit_axis):
+def test_a_fit_that_calls_itself_converged_has_no_pole(make_table, unit_axis):
     """Data with poles of both signs tempt the descent; what it returns is judged on fine grids here."""
     table = make_table(lambda x, y: 1.0 / (x - POLE) + y, unit_axis("r", 20), unit_axis("mu", 16))
-    fit = ecfit.fit(table, ecfit.Rational(degree))
+    fit = ecfit.fit(table, ecfit.Rational(2))
     fine = np.linspace(0.0, 1.0, 500)
     q = np.asarray(fit.approximation.denominator(r=fine[:, None], mu=fine))
     if fit.status == "converged":
@@ -70,7 +69,14 @@ def test_an_approximation_finds_the_pole_of_its_denominator():
     # Q = 1 - 2 x y vanishes on a curve that misses every corner.
     terms = Terms(np.array([[0, 0]]), np.array([[1, 1]]))
     made = ecfit.Approximation(
-        "x", "rational", "0/2", ("r", "mu"), terms, np.array([1.0, -2.0]), ((0.0, 1.0),) * 2, Contract("unknown")
+        "x",
+        "rational",
+        "0/2",
+        ("r", "mu"),
+        terms,
+        np.array([1.0, -2.0]),
+        ((0.0, 1.0),) * 2,
+        Contract("unknown"),
     )
     least = made.smallest_denominator()
     assert least.value == pytest.approx(-1.0, abs=1e-9)

@@ -19,7 +19,10 @@ def test_plain_coefficients_are_the_same_function(variables, degree, seed, make_
     """On a domain that is not the unit box, with the denominator's constant divided out."""
     rng = np.random.default_rng(seed)
     low = rng.uniform(-1.0, 0.5, variables)
-    axes = [Axis.given(n, v + np.linspace(0.0, 1.0 + i, degree + 2)) for i, (n, v) in enumerate(zip("abc", low, strict=False))]
+    axes = [
+        Axis.given(n, v + np.linspace(0.0, 1.0 + i, degree + 2))
+        for i, (n, v) in enumerate(zip("abc", low, strict=False))
+    ]
     problem = Problem.of_table(make_table(lambda *x: x[0], *axes), Rational(degree).terms(variables))
     p = rng.normal(size=len(problem.terms.numerator))
     q = np.r_[3.0, 0.1 * rng.normal(size=len(problem.terms.denominator))]

@@ -12,7 +12,9 @@ from ecfit.forms import Polynomial, Rational
 @pytest.fixture(scope="module")
 def problem(make_table, unit_axis) -> Problem:
     """A rational fit of degree 2 to a function that is none."""
-    table = make_table(lambda x, y: np.sqrt(0.02 + x) * np.exp(-3.0 * y), unit_axis("r", 14), unit_axis("mu", 13))
+    table = make_table(
+        lambda x, y: np.sqrt(0.02 + x) * np.exp(-3.0 * y), unit_axis("r", 14), unit_axis("mu", 13)
+    )
     return Problem.of_table(table, Rational(2).terms(2))
 
 

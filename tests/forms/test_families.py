@@ -7,7 +7,9 @@ from ecfit.errors import EcfitError
 from ecfit.forms import MAX_DEGREE, Form, Polynomial, Rational, form, forms
 
 
-@pytest.mark.parametrize(("variables", "degree", "count"), [(1, 3, 4), (2, 1, 3), (2, 3, 10), (3, 3, 20), (2, 20, 231)])
+@pytest.mark.parametrize(
+    ("variables", "degree", "count"), [(1, 3, 4), (2, 1, 3), (2, 3, 10), (3, 3, 20), (2, 20, 231)]
+)
 def test_a_polynomial_has_the_binomial_number_of_terms(variables, degree, count):
     terms = Polynomial(degree).terms(variables)
     assert terms.count == count

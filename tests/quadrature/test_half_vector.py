@@ -102,9 +102,6 @@ def test_estimates_are_honest(ndf, masking, level):
     assert np.all(np.abs(values - truth) <= errors + 2e-9)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="near the normal, at r = 0.04 to 0.08, GGX errors exceed estimates of 1e-10"
-)
 @pytest.mark.parametrize("level", LEVELS[:2])
 def test_estimates_are_honest_down_to_rounding(level):
     mu, r = (v.ravel() for v in np.meshgrid(np.linspace(0.99, 1.0, 8), np.linspace(0.02, 0.1, 30)))
@@ -242,15 +239,11 @@ def points(rows: list[dict[str, float]]) -> dict[str, np.ndarray]:
 
 
 GENERIC = {
-    ("ggx", "separable", "unit"): [
-        {"mu": 0.4, "alpha": 0.3},
-        {"mu": 0.9, "alpha": 0.8},
-        {"mu": 0.1, "alpha": 0.1},
-    ],
     ("beckmann", "separable", "unit"): [{"mu": 0.4, "alpha": 0.3}, {"mu": 0.9, "alpha": 0.8}],
     ("ggx", "separable", "schlick"): [
         {"mu": 0.3, "alpha": 0.5, "F0": 0.2, "F90": 0.9},
         {"mu": 0.8, "alpha": 0.2, "F0": 0.9, "F90": 1.0},
+        {"mu": 0.1, "alpha": 0.1, "F0": 1.0, "F90": 1.0},
     ],
     ("ggx", "height-correlated", "exact"): [
         {"mu": 0.6, "alpha": 0.4, "eta": 0.2, "k": 3.9},
@@ -270,19 +263,25 @@ def test_gradients_agree_with_central_differences(options):
         np.testing.assert_allclose(slope[name], (up - down) / (2.0 * step), atol=1e-7, err_msg=name)
 
 
+# F = 1 in two ways, so that no other compilation is needed than those above.
+WHITE = {"ggx": ("schlick", {"F0": 1.0, "F90": 1.0}), "beckmann": ("unit", {})}
+
+
 @each_ndf
 def test_gradients_are_finite_up_to_the_normal_and_down_to_a_mirror(ndf):
-    ends = [{"mu": mu, "alpha": a} for mu in (1e-3, 0.5, 1.0) for a in (0.0, 1e-8, 1e-4, 0.3, 1.0)]
-    slope = slopes(ndf, "separable", "unit")[1](points(ends))
+    fresnel, white = WHITE[ndf]
+    ends = [{"mu": mu, "alpha": a, **white} for mu in (1e-3, 0.5, 1.0) for a in (0.0, 1e-8, 1e-4, 0.3, 1.0)]
+    slope = slopes(ndf, "separable", fresnel)[1](points(ends))
     assert np.all(np.isfinite(slope["mu"]))
     assert np.all(np.isfinite(slope["alpha"]))
 
 
 @each_ndf
 def test_the_slope_at_the_normal_is_the_one_sided_difference(ndf):
-    value, gradient = slopes(ndf, "separable", "unit")
+    fresnel, white = WHITE[ndf]
+    value, gradient = slopes(ndf, "separable", fresnel)
     step = 1e-3
-    at = points([{"mu": 1.0 - k * step, "alpha": 0.7} for k in range(3)])
+    at = points([{"mu": 1.0 - k * step, "alpha": 0.7, **white} for k in range(3)])
     e = np.asarray(value(at))
     difference = (3.0 * e[0] - 4.0 * e[1] + e[2]) / (2.0 * step)  # of second order
     slope = gradient(at)["mu"]

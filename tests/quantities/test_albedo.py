@@ -35,7 +35,11 @@ def test_long_inputs_are_batched_without_a_seam():
 def test_r_and_alpha_name_the_same_roughness():
     model = ecfit.model("conductor")
     by_r, by_alpha = (
-        float(ecfit.directional_albedo(model, mu=0.5, level=0, **c)) for c in ({"r": 0.5}, {"alpha": 0.25})
+        float(e)
+        for e in (
+            ecfit.directional_albedo(model, mu=0.5, r=0.5, level=0),
+            ecfit.directional_albedo(model, mu=0.5, alpha=0.25, level=0),
+        )
     )
     assert by_r == pytest.approx(by_alpha, rel=1e-15)
 

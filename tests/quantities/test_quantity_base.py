@@ -77,19 +77,15 @@ def average_and_error(ndf: str, masking: str, r: np.ndarray, tolerance: float, p
     return table, np.abs(table.values - 2.0 * (e * mu) @ weight)
 
 
-@pytest.mark.parametrize(("ndf", "masking"), [("ggx", "separable"), ("beckmann", "height-correlated")])
-def test_the_average_albedo_is_the_weighted_mean_of_the_directional_one(ndf, masking, panels):
+def test_the_average_albedo_is_the_weighted_mean_of_the_directional_one(panels):
     r = np.array([0.003, 0.03, 0.1, 0.3, 0.6, 1.0])
-    table, error = average_and_error(ndf, masking, r, 1e-6, panels)
+    table, error = average_and_error("ggx", "separable", r, 1e-6, panels)
     assert table.errors.max() <= 1e-6
     assert error.max() <= 1e-6
     # From a mirror to the roughest: the comparison is not of ones with ones.
     assert table.values.max() - table.values.min() > 0.05
 
 
-@pytest.mark.xfail(
-    strict=True, reason="E(mu) turns within mu ~ alpha, between the nodes of the average's rule"
-)
 def test_estimates_of_the_average_are_honest(panels):
     r = np.linspace(0.04, 0.07, 16)
     table, error = average_and_error("beckmann", "height-correlated", r, 1e-7, panels)
