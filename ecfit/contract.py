@@ -53,6 +53,16 @@ class Contract:
             if not isinstance(name, str) or name not in valid:
                 raise unknown(kind, name, valid)
 
+        if not isinstance(self.model, str) or not self.model:
+            raise EcfitError(f"a contract's model must be a name, got {self.model!r}")
+        for label, kind in (("options", str), ("parameters", int | float)):
+            given = getattr(self, label)
+            if not isinstance(given, Mapping) or not all(
+                isinstance(k, str) and isinstance(v, kind) and not isinstance(v, bool)
+                for k, v in given.items()
+            ):
+                raise EcfitError(f"a contract's {label} must map names to {label}, got {given!r}")
+
     def to_dict(self) -> dict:
         """A JSON-ready dictionary."""
         return asdict(self)

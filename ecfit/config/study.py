@@ -22,6 +22,13 @@ def _listed(value: Any) -> Any:
     return [value] if isinstance(value, int) and not isinstance(value, bool) else value
 
 
+def _setting(value: Any) -> Any:
+    """A model's setting: a word or a number."""
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        raise ValueError("expected a word or a number")
+    return value
+
+
 def _axis(value: Any) -> Any:
     """`r = 64` stands for `r = { count = 64 }`, and a list for its nodes."""
     if isinstance(value, int) and not isinstance(value, bool):
@@ -67,7 +74,9 @@ class TableConfig(_Section):
 
     name: Annotated[Word, Field(description="what fits and reports call it")]
     model: Annotated[str, Field(min_length=1, description="a registered model, or one from plugins")]
-    options: Annotated[dict[str, str | float | int], Field(description="the model's settings")] = {}
+    options: Annotated[
+        dict[str, Annotated[Any, BeforeValidator(_setting)]], Field(description="the model's settings")
+    ] = {}
     quantity: Annotated[Literal["directional-albedo", "average-albedo"], Field(description="integrated")] = (
         "directional-albedo"
     )

@@ -1,7 +1,9 @@
 """Where each key of a TOML text stands, for error messages; and TOML written from plain data."""
 
 import json
+import math
 import re
+import tomllib
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -24,7 +26,7 @@ def _tokens(text: str) -> Iterator[tuple[str, str, int]]:
 
 
 def _unquoted(kind: str, value: str) -> str:
-    return value.strip("\"'") if kind == "string" else value
+    return tomllib.loads(f"key = {value}")["key"] if kind == "string" else value
 
 
 class _Locator:
@@ -131,6 +133,8 @@ def _value(value: Any) -> str:
         return "[" + ", ".join(_value(v) for v in value) + "]"
     if isinstance(value, bool):
         return "true" if value else "false"
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)  # inf, -inf and nan: TOML's words and Python's, but not JSON's
     return _quoted(value)
 
 

@@ -48,10 +48,10 @@ class Hemisphere(Measure):
     def _hidden(f: Callable[[Array], Array], theta_o: Array, largest: Array, depth: int) -> Array:
         """Energy of a peak at the mirror direction that falls between the nodes, from a few values of f.
 
-        Compares f at angles pi 2^-k off that direction, within the innermost panels, with its largest value
-        on the nodes; an excess stands for its annulus.
+        Compares f at angles pi 2^-k off that direction, deep in the innermost panels, with its largest value on
+        the nodes; an excess stands for its annulus.
         """
-        delta = jnp.pi * 0.5 ** np.arange(depth + 1, 40)
+        delta = jnp.pi * 0.5 ** np.arange(depth + 4, 40)
         sides = jnp.clip(theta_o + jnp.stack([delta, -delta]), 0.0, 0.5 * jnp.pi)
         excess = jnp.maximum(jnp.abs(jax.vmap(jax.vmap(f))(sides)) - largest, 0.0)
         return jnp.sum(jnp.max(excess, axis=0) * jnp.pi * delta * delta) * jnp.cos(theta_o)
@@ -78,7 +78,9 @@ class Hemisphere(Measure):
 
             values = jax.vmap(jax.vmap(value, (None, 0)), (0, None))(theta, phi)
             found = integrate(values * w_theta[:, None] * w_phi, rule, rule)
-            hidden = self._hidden(lambda t: value(t, jnp.pi), theta_o, jnp.max(jnp.abs(values)), depth)
+            hidden = self._hidden(
+                lambda t: value(t, jnp.asarray(jnp.pi)), theta_o, jnp.max(jnp.abs(values)), depth
+            )
             return Estimate(found.value, found.error + jax.lax.stop_gradient(hidden))
 
         none = Estimate(jnp.zeros_like(mu), jnp.zeros_like(mu))

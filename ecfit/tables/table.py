@@ -140,8 +140,8 @@ class Table:
         except EcfitError as error:
             raise EcfitError(f"'{path}' holds an invalid table: {error}") from None
         except (
-            zipfile.BadZipFile, zlib.error, OSError, EOFError, KeyError, ValueError, TypeError, AttributeError,
-            OverflowError, RuntimeError, MemoryError,
+            zipfile.BadZipFile, zlib.error, OSError, EOFError, KeyError, ValueError, TypeError,
+            AttributeError, OverflowError, RuntimeError, MemoryError,
         ):  # fmt: skip
             raise EcfitError(
                 f"'{path}' is damaged or not an ecfit table: delete it and run again to recompute it"
