@@ -48,8 +48,8 @@ class Hemisphere(Measure):
     def _hidden(f: Callable[[Array], Array], theta_o: Array, largest: Array, depth: int) -> Array:
         """Energy of a peak at the mirror direction that falls between the nodes, from a few values of f.
 
-        Compares f at angles pi 2^-k off that direction, deep in the innermost panels, with its largest value on
-        the nodes; an excess stands for its annulus.
+        Compares f at angles pi 2^-k off that direction, deep in the innermost panels, with its largest value
+        on the nodes; an excess stands for its annulus.
         """
         delta = jnp.pi * 0.5 ** np.arange(depth + 4, 40)
         sides = jnp.clip(theta_o + jnp.stack([delta, -delta]), 0.0, 0.5 * jnp.pi)
