@@ -19,7 +19,8 @@ lint: $(VENV)/.dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 
-types: $(VENV)/.dev
+# The benchmarks are checked too, against what they import.
+types: $(VENV)/.dev $(VENV)/.bench
 	$(BIN)/pyright
 
 benchmark: $(VENV)/.bench

@@ -17,7 +17,6 @@ import ecfit
 from ecfit._jax import jax
 from ecfit.contract import Contract
 from ecfit.coordinates import Axis
-from ecfit.fitting import Fit
 from ecfit.tables import Table
 
 # Mixing float32 into float64, or integers into floats, is a mistake in numerical code that JAX else hides.
@@ -131,15 +130,6 @@ def paper_table() -> Table:
     r = Axis.spaced("r", 32, 0.035, 1.0, "clamped")
     mu = Axis.spaced("mu", 32, 0.02, 1.0, "clamped")
     return ecfit.tabulate("conductor", {"r": r, "mu": mu})
-
-
-@pytest.fixture(scope="session")
-def paper_fits(paper_table: Table) -> dict[int, Fit]:
-    """Rational fits of that table by degree, from one `Fitter`."""
-    from ecfit.fitting import Fitter
-
-    fitter = Fitter(paper_table)
-    return {degree: fitter.fit(ecfit.Rational(degree)) for degree in (1, 2, 3)}
 
 
 @pytest.fixture

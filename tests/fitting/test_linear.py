@@ -8,16 +8,16 @@ from ecfit.fitting.problem import Problem
 from ecfit.forms import Polynomial
 
 
-@pytest.mark.parametrize(("shape", "degree"), [((9, 8), 3), ((150, 140), 5), ((40, 40), 20)])
+@pytest.mark.parametrize(("shape", "degree"), [((9, 8), 3), ((150, 140), 5), ((22, 22), 20)])
 def test_normal_equations_in_blocks_give_the_least_squares_solution(shape, degree, make_table, unit_axis):
-    """150 x 140 rows take two blocks; degree 20 is where plain monomials would have lost all digits."""
+    """150 x 140 rows take two blocks; degree 20 on 22 nodes has a condition of 3e3, squared in the equations."""
     table = make_table(
         lambda x, y: np.exp(x * y) + abs(x - 0.4), unit_axis("r", shape[0]), unit_axis("mu", shape[1])
     )
     problem = Problem.of_table(table, Polynomial(degree).terms(2))
     found = linear_least_squares(problem)
     expected = np.linalg.lstsq(problem.columns[0], problem.values, rcond=None)[0]
-    np.testing.assert_allclose(found, expected, atol=1e-10)
+    np.testing.assert_allclose(found, expected, atol=1e-11)
 
 
 def test_weights_count_rows(make_table, unit_axis):

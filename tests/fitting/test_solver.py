@@ -59,6 +59,17 @@ def test_the_denominator_stays_positive_on_rows_and_guards(problem, solution):
     assert (problem.guards @ solution.q).min() > 0.0
 
 
+def test_no_step_crosses_a_pole(make_table, unit_axis):
+    """1 / (x - 0.37) is rational of degree 1: only the refusal of Q <= 0 keeps a descent from it."""
+    problem = Problem.of_table(
+        make_table(lambda x: 1.0 / (x - 0.37), unit_axis("r", 32)), Rational(1).terms(1)
+    )
+    found = solve(problem, polynomial_start(problem), rtol=1e-9, max_steps=300)
+    assert (problem.columns[1] @ found.q).min() > 0.0
+    assert (problem.guards @ found.q).min() > 0.0
+    assert found.sum_of_squares > 1.0
+
+
 def test_too_few_steps_are_not_called_converged(problem, start):
     cut = solve(problem, start, rtol=1e-10, max_steps=2)
     assert not cut.converged

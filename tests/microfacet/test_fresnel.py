@@ -96,7 +96,7 @@ def test_grazing_light_is_reflected_whole(make):
 )
 def test_reflectance_lies_in_the_unit_interval_and_has_finite_slopes(fresnel):
     x = jnp.linspace(0.0, 1.0, 301)
-    value, slope = jax.vmap(jax.value_and_grad(fresnel))(x)
+    value, slope = jax.jit(jax.vmap(jax.value_and_grad(fresnel)))(x)
     assert float(jnp.min(value)) >= 0.0
     assert float(jnp.max(value)) <= 1.0 + 1e-15
     assert np.all(np.isfinite(slope))

@@ -51,16 +51,21 @@ class Computed(NamedTuple):
 
 
 @cache
-def computed(ndf: str, masking: str, level: int) -> Computed:
-    """All points of the sample by one level, with F = 1."""
+def _computed(level: int) -> dict[tuple[str, str], Computed]:
+    """All points of the sample by one level, with F = 1: one compilation for all combinations."""
 
     def one(point):
         mu, r = point
-        return HalfVectorReflection(NDFS[ndf], masking, r * r, UnitFresnel()).albedo(mu, level, "all")
+        rules = [HalfVectorReflection(NDFS[n], m, r * r, UnitFresnel()) for n, m in COMBINATIONS]
+        return [rule.albedo(mu, level, "all") for rule in rules]
 
     run = jax.jit(lambda points: jax.lax.map(one, points, batch_size=_BATCH))
-    value, error = run((jnp.asarray(MU), jnp.asarray(R)))
-    return Computed(np.asarray(value), np.asarray(error))
+    found = run((jnp.asarray(MU), jnp.asarray(R)))
+    return {c: Computed(*(np.asarray(v) for v in e)) for c, e in zip(COMBINATIONS, found, strict=True)}
+
+
+def computed(ndf: str, masking: str, level: int) -> Computed:
+    return _computed(level)[ndf, masking]
 
 
 def albedo(mu: float, alpha: float, ndf: str = "ggx", masking: str = "separable", level: int = 3) -> float:
@@ -95,15 +100,15 @@ def test_fresnel_factors_weigh_the_integrand(reference_albedo):
 @each_combination
 @pytest.mark.parametrize("level", LEVELS)
 def test_estimates_are_honest(ndf, masking, level):
-    """Down to 2e-9, below which no table of ecfit's has a tolerance (see the next test)."""
     values, errors = computed(ndf, masking, level)
     truth = computed(ndf, masking, FINEST).values
     assert np.all(np.isfinite(errors))
-    assert np.all(np.abs(values - truth) <= errors + 2e-9)
+    assert np.all(np.abs(values - truth) <= errors + 1e-12)
 
 
 @pytest.mark.parametrize("level", LEVELS[:2])
-def test_estimates_are_honest_down_to_rounding(level):
+def test_estimates_are_honest_where_coefficients_fall_slowly(level):
+    """Near the normal at r = 0.04 to 0.08, where the decay of GGX's coefficients promises too much."""
     mu, r = (v.ravel() for v in np.meshgrid(np.linspace(0.99, 1.0, 8), np.linspace(0.02, 0.1, 30)))
     at = [jnp.asarray(mu), jnp.asarray(r)]
 
@@ -223,13 +228,13 @@ def test_light_meets_the_horizon_at_the_stated_slope(mu):
 
 @cache
 def slopes(ndf: str, masking: str, fresnel: str):
-    """(value, gradient) at points of all the parameters that matter, one compilation for all points."""
+    """Values and gradients at points of all the parameters that matter, by one compilation."""
     model = ecfit.model("conductor", ndf=ndf, masking=masking, fresnel=fresnel)
 
     def one(point):
         return ecfit.directional_albedo(model, **point)
 
-    return jax.jit(jax.vmap(one)), jax.jit(jax.vmap(jax.grad(one)))
+    return jax.jit(jax.vmap(jax.value_and_grad(one)))
 
 
 def points(rows: list[dict[str, float]]) -> dict[str, np.ndarray]:
@@ -254,12 +259,12 @@ GENERIC = {
 
 @pytest.mark.parametrize("options", GENERIC, ids="-".join)
 def test_gradients_agree_with_central_differences(options):
-    value, gradient = slopes(*options)
+    evaluate = slopes(*options)
     at = points(GENERIC[options])
-    slope = gradient(at)
+    slope = evaluate(at)[1]
     for name in at:
         step = 1e-5
-        up, down = (np.asarray(value({**at, name: at[name] + sign * step})) for sign in (1, -1))
+        up, down = (np.asarray(evaluate({**at, name: at[name] + sign * step})[0]) for sign in (1, -1))
         np.testing.assert_allclose(slope[name], (up - down) / (2.0 * step), atol=1e-7, err_msg=name)
 
 
@@ -271,7 +276,7 @@ WHITE = {"ggx": ("schlick", {"F0": 1.0, "F90": 1.0}), "beckmann": ("unit", {})}
 def test_gradients_are_finite_up_to_the_normal_and_down_to_a_mirror(ndf):
     fresnel, white = WHITE[ndf]
     ends = [{"mu": mu, "alpha": a, **white} for mu in (1e-3, 0.5, 1.0) for a in (0.0, 1e-8, 1e-4, 0.3, 1.0)]
-    slope = slopes(ndf, "separable", fresnel)[1](points(ends))
+    slope = slopes(ndf, "separable", fresnel)(points(ends))[1]
     assert np.all(np.isfinite(slope["mu"]))
     assert np.all(np.isfinite(slope["alpha"]))
 
@@ -279,13 +284,12 @@ def test_gradients_are_finite_up_to_the_normal_and_down_to_a_mirror(ndf):
 @each_ndf
 def test_the_slope_at_the_normal_is_the_one_sided_difference(ndf):
     fresnel, white = WHITE[ndf]
-    value, gradient = slopes(ndf, "separable", fresnel)
+    evaluate = slopes(ndf, "separable", fresnel)
     step = 1e-3
     at = points([{"mu": 1.0 - k * step, "alpha": 0.7, **white} for k in range(3)])
-    e = np.asarray(value(at))
-    difference = (3.0 * e[0] - 4.0 * e[1] + e[2]) / (2.0 * step)  # of second order
-    slope = gradient(at)["mu"]
-    assert float(slope[0]) == pytest.approx(difference, abs=1e-5)
+    e, gradient = evaluate(at)
+    difference = float(3.0 * e[0] - 4.0 * e[1] + e[2]) / (2.0 * step)  # of second order
+    assert float(gradient["mu"][0]) == pytest.approx(difference, abs=1e-5)
 
 
 def test_schlick_albedo_is_linear_in_F0_and_F90():

@@ -2,6 +2,7 @@
 
 import math
 from functools import cache
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -11,6 +12,13 @@ from ecfit._jax import jax, jnp
 from ecfit.bsdf import BSDF, Conductor
 from ecfit.quadrature import Hemisphere, Status
 
+
+class Coarse(Hemisphere):
+    """The first levels only: each costs a compilation, and to be honest is a matter of every level."""
+
+    ORDERS: ClassVar = Hemisphere.ORDERS[:3]
+
+
 MU = np.array([0.0, 1e-6, 0.05, 0.4, 0.8, 0.999, 1.0])
 
 
@@ -18,7 +26,7 @@ class Generic(Conductor):
     """The conductor without its half-vector rule."""
 
     def measure(self) -> Hemisphere:  # pyright: ignore[reportIncompatibleMethodOverride]
-        return Hemisphere(self.f, False)
+        return Coarse(self.f, False)
 
 
 class Diffuse(BSDF):
@@ -33,10 +41,11 @@ class Diffuse(BSDF):
 class Edge(BSDF):
     """White within 0.7 rad of the normal and black beyond: E = sin(0.7)^2."""
 
-    conserving = True
-
     def f(self, wo, wi):
         return jnp.where(wi[2] > math.cos(0.7), 1.0, 0.0) / jnp.pi
+
+    def measure(self):
+        return Coarse(self.f, False)
 
 
 @cache
@@ -94,30 +103,44 @@ def test_the_half_vector_rule_agrees_within_both_estimates(ndf):
     mu, alpha = (jnp.asarray(v.ravel()) for v in np.meshgrid([0.15, 0.6, 0.95], [0.3, 1.0]))
 
     def both(m, a):
-        rules = (kind(ndf=ndf).with_parameters({"alpha": a}).measure() for kind in (Generic, Conductor))
+        model = Conductor(ndf=ndf).with_parameters({"alpha": a})
+        rules = Hemisphere(model.f, False), model.measure()
         return [rule.albedo(m, 3, "all") for rule in rules]
 
     general, special = jax.jit(jax.vmap(both))(mu, alpha)
     difference = np.abs(np.asarray(general.value - special.value))
     assert np.all(difference <= np.asarray(general.error + special.error))
     assert difference.max() < 1e-4
-    assert float(jnp.max(general.error)) < 1e-2
+    # Away from grazing at alpha = 0.3 the general rule has all but converged.
+    assert np.all(np.asarray(general.error)[1:] < 1e-4)
 
 
 def test_an_edge_does_not_pass_for_converged():
     table = ecfit.tabulate(Edge(), {"mu": [0.1, 0.5, 0.9]}, tolerance=1e-6)
     assert np.all(table.status == Status.TOLERANCE_NOT_MET)
     error = np.abs(table.values - math.sin(0.7) ** 2)
-    assert error.max() < 2e-2
+    assert error.max() < 5e-2
     assert np.all(error <= table.errors)
     assert any("tolerance" in line for line in table.describe())
 
 
 def test_a_peak_at_the_mirror_direction_is_found_or_said_to_be_missed():
-    """E is 1 within 1e-5 at r = 0.055: an entry may say that it did not converge, but not that E is 0."""
-    axes = {"alpha": [2e-3, 3e-3], "mu": [0.5, 0.9]}
+    """E is 1 within 1e-5 at r = 0.01 and 0.055: an entry may say that it did not converge, not that E is 0.
+
+    The ends of the range of mu are entries of nearly every table.
+    """
+    axes = {"alpha": [1e-4, 3e-3], "mu": [0.5, 1.0]}
     table = ecfit.tabulate(Generic(ndf="beckmann"), axes, tolerance=1e-4)
     assert np.all((np.abs(table.values - 1.0) <= table.errors + 1e-5) | (table.status != Status.CONVERGED))
+
+
+def test_grazing_is_the_limit_of_small_mu():
+    """Models are defined for wo.z > 0, and the conductor's f is 0 at 0; E is not."""
+    mu = jnp.asarray([0.0, 1e-6])
+    rule = Generic(alpha=jnp.asarray(1.0)).measure()
+    at_zero, nearby = np.asarray(jax.jit(jax.vmap(lambda m: rule.albedo(m, 2, "all").value))(mu))
+    assert nearby > 0.5
+    assert at_zero == pytest.approx(nearby, abs=1e-4)
 
 
 def test_gradients_agree_with_differences():

@@ -50,6 +50,12 @@ SLOW = [
     Problem("Runge's in x", lambda x, y: peak(0.1, 0.5)(x) + 0 * y, peak_integral(0.1, 0.5)),
     Problem("Runge's in y", lambda x, y: peak(0.1, 0.5)(y) + 0 * x, peak_integral(0.1, 0.5)),
     Problem("Runge's", lambda x, y: peak(0.1, 0.5)(x) * peak(0.1, 0.5)(y), peak_integral(0.1, 0.5) ** 2),
+    # The exponential's steep decay must not be continued where the slow tail takes over.
+    Problem(
+        "slow tail under a fast one",
+        lambda x, y: np.exp(12 * x - 12) + 1e-8 * peak(0.1, 0.5)(x) + 0 * y,
+        (1 - math.exp(-12)) / 12 + 1e-8 * peak_integral(0.1, 0.5),
+    ),
     Problem("square roots", lambda x, y: np.sqrt(x) * np.sqrt(y), 4.0 / 9.0),
     Problem("peaked corner", lambda x, y: peak(0.01, 0)(x) * peak(0.01, 0)(y), peak_integral(0.01, 0) ** 2),
 ]

@@ -53,12 +53,14 @@ def test_the_lambertian_table_is_exact():
     assert np.all(np.abs(table.values - expected) <= table.errors)
 
 
-def test_dimensions_keep_the_order_given(paper_table):
-    by_r = ecfit.tabulate("conductor", {"r": [0.3, 0.6, 0.9], "mu": [0.2, 0.8]}, tolerance=1e-5)
-    by_mu = ecfit.tabulate("conductor", {"mu": [0.2, 0.8], "r": [0.3, 0.6, 0.9]}, tolerance=1e-5)
-    assert (by_r.names, by_r.values.shape) == (("r", "mu"), (3, 2))
-    assert (by_mu.names, by_mu.values.shape) == (("mu", "r"), (2, 3))
-    np.testing.assert_allclose(by_mu.values.T, by_r.values, atol=1e-12)
+def test_dimensions_keep_the_order_given():
+    rho = [0.3, 0.6, 0.9]
+    first = ecfit.tabulate("lambertian", {"rho": rho, "mu": [0.2, 0.8]}, tolerance=1e-5)
+    last = ecfit.tabulate("lambertian", {"mu": [0.2, 0.8], "rho": rho}, tolerance=1e-5)
+    assert (first.names, first.values.shape) == (("rho", "mu"), (3, 2))
+    assert (last.names, last.values.shape) == (("mu", "rho"), (2, 3))
+    np.testing.assert_allclose(first.values[:, 0], rho, atol=1e-5)
+    np.testing.assert_allclose(last.values[0], rho, atol=1e-5)
 
 
 def test_entries_agree_with_the_albedo_at_their_nodes(paper_table):
@@ -72,8 +74,8 @@ def test_entries_agree_with_the_albedo_at_their_nodes(paper_table):
 
 
 def test_views_of_a_parameter_give_the_same_table():
-    by_r = ecfit.tabulate("conductor", {"r": [0.5, 0.8], "mu": [0.2, 0.8]}, tolerance=1e-5)
-    by_alpha = ecfit.tabulate("conductor", {"alpha": [0.25, 0.64], "mu": [0.2, 0.8]}, tolerance=1e-5)
+    by_r = ecfit.tabulate("conductor", {"r": [0.5, 0.8], "mu": [0.2, 0.8]}, tolerance=1e-3)
+    by_alpha = ecfit.tabulate("conductor", {"alpha": [0.25, 0.64], "mu": [0.2, 0.8]}, tolerance=1e-3)
     np.testing.assert_allclose(by_alpha.values, by_r.values, atol=1e-14)
 
 
@@ -102,10 +104,10 @@ def test_a_tolerance_that_no_level_meets_is_said():
 
 
 def test_a_smaller_tolerance_gives_smaller_errors():
-    axes = {"r": [0.02, 0.1, 0.5], "mu": [0.01, 0.1, 0.7]}
-    loose, tight = (ecfit.tabulate("conductor", axes, tolerance=t) for t in (1e-3, 1e-9))
+    axes = {"r": [0.02, 0.1], "mu": [0.01, 0.1]}
+    loose, tight = (ecfit.tabulate("conductor", axes, tolerance=t) for t in (1e-3, 1e-8))
     assert loose.errors.max() <= 1e-3
-    assert tight.errors.max() <= 1e-9
+    assert tight.errors.max() <= 1e-8 < loose.errors.max()
     assert np.all(np.abs(loose.values - tight.values) <= loose.errors + tight.errors)
 
 
