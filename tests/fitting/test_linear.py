@@ -10,7 +10,7 @@ from ecfit.forms import Polynomial
 
 @pytest.mark.parametrize(("shape", "degree"), [((9, 8), 3), ((150, 140), 5), ((22, 22), 20)])
 def test_normal_equations_in_blocks_give_the_least_squares_solution(shape, degree, make_table, unit_axis):
-    """150 x 140 rows take two blocks; degree 20 on 22 nodes has a condition of 3e3, squared in the equations."""
+    """150 x 140 rows take two blocks; degree 20 on 22 nodes has a condition of 3e3."""
     table = make_table(
         lambda x, y: np.exp(x * y) + abs(x - 0.4), unit_axis("r", shape[0]), unit_axis("mu", shape[1])
     )
