@@ -42,7 +42,7 @@ class Errors:
             values = {f.name: data[f.name] for f in fields(cls)}
             place = {str(k): float(v) for k, v in values.pop("place").items()}
             numbers = {k: float("inf") if v is None else float(v) for k, v in values.items()}
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
+        except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
             raise EcfitError(f"malformed errors ({type(error).__name__}: {error})") from None
         return cls(place=place, **numbers)
 

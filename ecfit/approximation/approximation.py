@@ -119,5 +119,5 @@ class Approximation:
             raise EcfitError(f"{where}: {error}") from None
         except KeyError as error:
             raise EcfitError(f"{where}: the key {error} is missing") from None
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise EcfitError(f"{where}: malformed ({error})") from None

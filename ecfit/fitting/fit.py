@@ -152,7 +152,7 @@ class Fit:
                 int(fitted["starts"]),
                 str(fitted["table"]),
             )
-        except (KeyError, TypeError, ValueError, IndexError) as error:
+        except (KeyError, TypeError, ValueError, IndexError, OverflowError) as error:
             raise EcfitError(f"{where}: malformed fit ({type(error).__name__}: {error})") from None
 
     def save(self, path: str | Path) -> None:

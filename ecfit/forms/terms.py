@@ -83,7 +83,8 @@ class Terms:
             array = np.zeros(0, dtype=np.int64)
             try:
                 given = np.asarray(getattr(self, name))
-                array = given.astype(np.int64)
+                with np.errstate(invalid="ignore"):  # NaN and what does not fit: caught by the comparison
+                    array = given.astype(np.int64)
                 exact = array.ndim == 2 and bool(np.all(array == given))
             except (TypeError, ValueError, OverflowError):
                 exact = False

@@ -11,6 +11,9 @@ from ecfit.quadrature.rules import Estimate, graded, integrate
 
 Array = jax.Array
 
+# Stands for mu = 0: far below any width of E, far above what would underflow in a model.
+_HORIZON = 1e-12
+
 
 class Hemisphere(Measure):
     """Gauss-Legendre panels in (theta_i, phi), graded towards the mirror direction.
@@ -52,14 +55,18 @@ class Hemisphere(Measure):
         on the nodes; an excess stands for its annulus.
         """
         delta = jnp.pi * 0.5 ** np.arange(depth + 4, 40)
-        sides = jnp.clip(theta_o + jnp.stack([delta, -delta]), 0.0, 0.5 * jnp.pi)
-        excess = jnp.maximum(jnp.abs(jax.vmap(jax.vmap(f))(sides)) - largest, 0.0)
+        sides = theta_o + jnp.stack([delta, -delta])
+        inside = (sides >= 0.0) & (sides <= 0.5 * jnp.pi)
+        found = jnp.abs(jax.vmap(jax.vmap(f))(jnp.where(inside, sides, theta_o)))
+        excess = jnp.maximum(jnp.where(inside, found, 0.0) - largest, 0.0)
         return jnp.sum(jnp.max(excess, axis=0) * jnp.pi * delta * delta) * jnp.cos(theta_o)
 
     def albedo(self, mu: Array, level: int, lobe: str) -> Estimate:
         depth, count = self.ORDERS[level]
         rule = graded(depth, count)
         x, width = jnp.asarray(rule.nodes), jnp.asarray(rule.widths)
+        # Models are defined for wo.z > 0: the horizon is the limit.
+        mu = jnp.maximum(mu, _HORIZON)
         theta_o = jnp.arccos(jnp.clip(mu, 0.0, 1.0))
         wo = jnp.stack([jnp.sin(theta_o), jnp.zeros_like(mu), mu])
         # theta_i in [0, theta_o] and [theta_o, pi/2], phi in [0, pi] and [pi, 2 pi]: graded towards
@@ -78,9 +85,9 @@ class Hemisphere(Measure):
 
             values = jax.vmap(jax.vmap(value, (None, 0)), (0, None))(theta, phi)
             found = integrate(values * w_theta[:, None] * w_phi, rule, rule)
-            hidden = self._hidden(
-                lambda t: value(t, jnp.asarray(jnp.pi)), theta_o, jnp.max(jnp.abs(values)), depth
-            )
+            # Nodes of an empty panel (theta_o = 0) have seen nothing.
+            largest = jnp.max(jnp.where(w_theta[:, None] > 0.0, jnp.abs(values), 0.0))
+            hidden = self._hidden(lambda t: value(t, jnp.asarray(jnp.pi)), theta_o, largest, depth)
             return Estimate(found.value, found.error + jax.lax.stop_gradient(hidden))
 
         none = Estimate(jnp.zeros_like(mu), jnp.zeros_like(mu))
