@@ -51,13 +51,18 @@ def clamped_table(count: int, tolerance: float = 1e-7) -> ecfit.Table:
     return ecfit.tabulate("conductor", axes, tolerance=tolerance)
 
 
-def wants_quick(description: str | None) -> bool:
-    """Whether the command line says --quick."""
+def arguments(description: str | None) -> argparse.ArgumentParser:
+    """A command line with --quick."""
     parser = argparse.ArgumentParser(
         description=description, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--quick", action="store_true", help="small tables and samples: seconds, no figures")
-    return parser.parse_args().quick
+    return parser
+
+
+def wants_quick(description: str | None) -> bool:
+    """Whether the command line says --quick."""
+    return arguments(description).parse_args().quick
 
 
 def show(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

@@ -1,15 +1,16 @@
 """The method of Sforza & Pellacini 2022, rebuilt from the equations of the paper.
 
-Tables: E(mu_o) = integral of rho mu_i over phi in [0, 2 pi] and mu_i in [0, 1] (eq. 12 and 14, F = 1), with
-rho = D G / (4 mu_o mu_i) (eq. 15), GGX, separable Smith G and alpha = r^2, by `scipy.integrate.dblquad`
-with its default tolerances over a compiled integrand. Fits: `scipy.optimize.curve_fit` of a ratio of
-polynomials from all ones.
+Tables: the integral of rho |mu_i| over phi in [0, 2 pi] and mu_i in [0, 1], or [-1, 0] in transmission, by
+`scipy.integrate.dblquad` with its default tolerances over a compiled integrand. GGX, separable Smith G,
+alpha = r^2, exact Fresnel, radiance transport. Fits: `scipy.optimize.curve_fit` of a ratio of polynomials
+from all ones.
 
 Needs: pip install -e '.[bench]'
 """
 
 import math
 import warnings
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,19 @@ def smith_g1(mu: float, a2: float) -> float:
 
 
 @njit(fastmath=True)
-def _integrand(mu_i: float, phi: float, mu_o: float, r: float) -> float:
+def fresnel(x: float, eta: float) -> float:
+    """Exact unpolarised reflectance at x = wo.h; eta = n_transmitted / n_incident, as everywhere here."""
+    g2 = eta * eta - 1.0 + x * x
+    if g2 <= 0.0:
+        return 1.0  # total internal reflection
+    g = math.sqrt(g2)
+    s, p = (g - x) / (g + x), (eta * eta * x - g) / (eta * eta * x + g)
+    return 0.5 * (s * s + p * p)
+
+
+@njit(fastmath=True)
+def _conductor(mu_i: float, phi: float, mu_o: float, r: float, _eta: float) -> float:
+    """Eq. 14 with rho = D G / (4 mu_o mu_i) (eq. 15)."""
     a2 = r * r * r * r
     s_o, s_i = math.sqrt(1.0 - mu_o * mu_o), math.sqrt(1.0 - mu_i * mu_i)
     x, y, z = s_o + s_i * math.cos(phi), s_i * math.sin(phi), mu_o + mu_i
@@ -44,31 +57,71 @@ def _integrand(mu_i: float, phi: float, mu_o: float, r: float) -> float:
     return a2 / (math.pi * d * d) * smith_g1(mu_o, a2) * smith_g1(mu_i, a2) / (4.0 * mu_o)
 
 
-# Compiled calls from C are about ten times faster than `njit` functions called through Python.
-@cfunc(C_SIGNATURE, fastmath=True)
-def _mu_inside(_count: int, v: Any, _data: Any) -> float:
-    return _integrand(v[0], v[1], v[2], v[3])
+@njit(fastmath=True)
+def _reflection(mu_i: float, phi: float, mu_o: float, r: float, eta: float) -> float:
+    """Eq. 17 (before the division by E_ss) and 20: the same with F(wo.h)."""
+    cosine = math.sqrt((1.0 - mu_o * mu_o) * (1.0 - mu_i * mu_i)) * math.cos(phi) + mu_o * mu_i  # wo.wi
+    x = math.sqrt(max(0.5 + 0.5 * cosine, 0.0))
+    return fresnel(x, eta) * _conductor(mu_i, phi, mu_o, r, eta)
 
 
-@cfunc(C_SIGNATURE, fastmath=True)
-def _phi_inside(_count: int, v: Any, _data: Any) -> float:
-    return _integrand(v[1], v[0], v[2], v[3])
+@njit(fastmath=True)
+def _transmission(mu_i: float, phi: float, mu_o: float, r: float, eta: float) -> float:
+    """Eq. 21 with rho of eq. 23 (without eta^2: radiance transport)."""
+    a2 = r * r * r * r
+    s_o, s_i = math.sqrt(1.0 - mu_o * mu_o), math.sqrt(1.0 - mu_i * mu_i)
+    x, y, z = s_o + eta * s_i * math.cos(phi), eta * s_i * math.sin(phi), mu_o + eta * mu_i
+    # h is +-(x, y, z) = +-(wo + eta wi), the sign such that h.n > 0.
+    t2 = x * x + y * y
+    n2 = t2 + z * z
+    cosine = s_o * s_i * math.cos(phi) + mu_o * mu_i  # wo.wi
+    scale = math.copysign(1.0, z) / math.sqrt(n2)
+    o_h, i_h = scale * (1.0 + eta * cosine), scale * (cosine + eta)
+    if o_h <= 0.0 or i_h >= 0.0:
+        return 0.0  # no refraction connects wo and wi
+    d = (t2 + a2 * z * z) / n2
+    g = smith_g1(mu_o, a2) * smith_g1(-mu_i, a2)
+    return -i_h * o_h * (1.0 - fresnel(o_h, eta)) * a2 / (math.pi * d * d) * g / (mu_o * n2)
 
 
-_PHI, _MU = (0.0, 2.0 * math.pi), (0.0, 1.0)
-# The order of eq. 12 first; the other is the same integral, which QUADPACK does faster.
-ORDERS = {
-    "mu_i inside": (LowLevelCallable(_mu_inside.ctypes), (*_PHI, *_MU)),
-    "phi inside": (LowLevelCallable(_phi_inside.ctypes), (*_MU, *_PHI)),
-}
+class Integral:
+    """A double integral over mu_i in [low, low + 1] and phi in [0, 2 pi], compiled for both orders."""
+
+    def __init__(self, integrand: Callable[..., float], low: float) -> None:
+        # Compiled calls from C are about ten times faster than `njit` functions called through Python.
+        @cfunc(C_SIGNATURE, fastmath=True)
+        def mu_inside(_count: int, v: Any, _data: Any) -> float:
+            return integrand(v[0], v[1], v[2], v[3], v[4])
+
+        @cfunc(C_SIGNATURE, fastmath=True)
+        def phi_inside(_count: int, v: Any, _data: Any) -> float:
+            return integrand(v[1], v[0], v[2], v[3], v[4])
+
+        phi, mu = (0.0, 2.0 * math.pi), (low, low + 1.0)
+        self.orders = {
+            "mu_i inside": (LowLevelCallable(mu_inside.ctypes), (*phi, *mu)),
+            "phi inside": (LowLevelCallable(phi_inside.ctypes), (*mu, *phi)),
+        }
+
+    def __call__(self, mu: float, r: float, eta: float, order: str) -> float:
+        function, limits = self.orders[order]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", IntegrationWarning)
+            return dblquad(function, *limits, args=(mu, r, eta))[0]
+
+
+# The order of eq. 12 first; the other is the same integral, which QUADPACK mostly does faster.
+ORDERS = ("mu_i inside", "phi inside")
+
+_conductor_albedo = Integral(_conductor, 0.0)
+# Albedos of one lobe as functions of (mu, r, eta, order).
+reflection = Integral(_reflection, 0.0)
+transmission = Integral(_transmission, -1.0)
 
 
 def albedo(mu: float, r: float, order: str) -> float:
-    """E at one point with the integrals nested as one of `ORDERS` says."""
-    function, limits = ORDERS[order]
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", IntegrationWarning)
-        return dblquad(function, *limits, args=(mu, r))[0]
+    """The conductor's E at one point with the integrals nested as one of `ORDERS` says."""
+    return _conductor_albedo(mu, r, math.inf, order)
 
 
 def fit(r: Array, mu: Array, values: Array) -> Array:

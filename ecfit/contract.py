@@ -8,6 +8,10 @@ from ecfit.errors import EcfitError, unknown
 QUANTITIES = {
     "directional-albedo": "E(mu): integral of f |cos theta_i| over wi",
     "average-albedo": "E_avg: 2 x integral of E(mu) mu over mu in [0, 1]",
+    "schlick-a": "A of E = F0 A + F90 B: mean of 1 - (1 - wo.h)^exponent over what is reflected",
+    "schlick-b": "B of E = F0 A + F90 B: mean of (1 - wo.h)^exponent over what is reflected",
+    "f82-moment": "mean of x (1 - x)^6, x = wo.h, over what is reflected: the F82 model's third term",
+    "average-fresnel": "F_avg: 2 x integral of F(x) x over x in [0, 1]",
 }
 LOBES = {
     "all": "reflection and transmission",
@@ -29,6 +33,7 @@ class Contract:
         options: the model's options in words: masking, ndf, fresnel, side, ...
         parameters: values of the model's parameters that are not axes.
         quantity, lobe, transport: names of `QUANTITIES`, `LOBES`, `TRANSPORTS`.
+        quantity_options: settings of the quantity in numbers: exponent, ...
         stored: "E" (a table of 1 - E is converted on reading).
         sampling: "clamped" where nodes differ from the coordinates that a fit sees, else "true".
     """
@@ -39,6 +44,7 @@ class Contract:
     quantity: str = "directional-albedo"
     lobe: str = "all"
     transport: str = "energy"
+    quantity_options: Mapping[str, float] = field(default_factory=dict)
     stored: str = "E"
     sampling: str = "true"
 
@@ -55,13 +61,14 @@ class Contract:
 
         if not isinstance(self.model, str) or not self.model:
             raise EcfitError(f"a contract's model must be a name, got {self.model!r}")
-        for label, kind in (("options", str), ("parameters", int | float)):
+        numbers = int | float
+        for label, kind in (("options", str), ("parameters", numbers), ("quantity_options", numbers)):
             given = getattr(self, label)
             if not isinstance(given, Mapping) or not all(
                 isinstance(k, str) and isinstance(v, kind) and not isinstance(v, bool)
                 for k, v in given.items()
             ):
-                raise EcfitError(f"a contract's {label} must map names to {label}, got {given!r}")
+                raise EcfitError(f"a contract's {label} must map names to settings, got {given!r}")
 
     def to_dict(self) -> dict:
         """A JSON-ready dictionary."""
@@ -85,6 +92,7 @@ class Contract:
         rows += sorted((k, f"{v:g}") for k, v in self.parameters.items())
         rows += [
             ("quantity", f"{self.quantity} ({QUANTITIES[self.quantity]})"),
+            *sorted((k, f"{v:g}") for k, v in self.quantity_options.items()),
             ("lobe", self.lobe),
             ("transport", self.transport),
             ("stored", self.stored),

@@ -4,6 +4,8 @@ from ecfit.bsdf.base import BSDF as BSDF
 from ecfit.bsdf.base import option as option
 from ecfit.bsdf.base import parameter as parameter
 from ecfit.bsdf.conductor import Conductor as Conductor
+from ecfit.bsdf.dielectric import Dielectric as Dielectric
+from ecfit.bsdf.dielectric import ThinDielectric as ThinDielectric
 from ecfit.bsdf.lambertian import Lambertian as Lambertian
 from ecfit.bsdf.registry import as_model as as_model
 from ecfit.bsdf.registry import model as model

@@ -38,11 +38,14 @@ class BSDF(eqx.Module):
         reciprocal: f(wo, wi) = f(wi, wo) for reflection.
         transmissive: f may be non-zero for wi on the other side; set it to False to save that integral.
         conserving: the albedo never exceeds 1.
+        fresnel_parameters: parameters that enter the integrand through the Fresnel factor only: a table's
+            entries that differ in one of them share the geometry, which makes them cheap.
     """
 
     reciprocal: ClassVar[bool] = True
     transmissive: ClassVar[bool] = False
     conserving: ClassVar[bool] = True
+    fresnel_parameters: ClassVar[tuple[str, ...]] = ()
 
     @abc.abstractmethod
     def f(self, wo: Array, wi: Array) -> Array:
@@ -54,11 +57,26 @@ class BSDF(eqx.Module):
 
     def measure(self) -> Measure:
         """How to integrate f: by default over the hemisphere; override it where there is a better way."""
-        return Hemisphere(self.f, self.transmissive)
+        return Hemisphere(self.f, self.transmissive, self.edges)
+
+    def edges(self, mu: Array) -> Array:
+        """Cosines wi.z at which f(wo, .) jumps or bends for wo.z = mu, on all azimuths: none by default.
+
+        The general rule puts the ends of its panels there; negative ones are on the other side. Returns an
+        array of fixed length; a cosine outside [-1, 1] counts as none.
+        """
+        return jnp.zeros(0)
 
     def relative_ior(self) -> Array:
         """n_transmitted / n_incident as seen by wo: scales the transmitted lobe in energy transport."""
         return jnp.asarray(1.0)
+
+    def albedo_kinks(self) -> Array:
+        """Cosines mu in (0, 1) near which the albedo E(mu) may turn sharply: none by default.
+
+        Averages over mu put the ends of their panels there. Returns an array of fixed length.
+        """
+        return jnp.zeros(0)
 
     def exact_albedo(self, mu: Array) -> Array | None:
         """The directional albedo in closed form, where there is one: an oracle for tests."""

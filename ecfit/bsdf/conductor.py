@@ -1,7 +1,8 @@
 """Rough conductors: one microfacet reflection lobe."""
 
-from ecfit._jax import jax, jnp
+from ecfit._jax import jax
 from ecfit.bsdf.base import BSDF, option, parameter
+from ecfit.bsdf.microfacet import reflection
 from ecfit.bsdf.registry import register
 from ecfit.microfacet import (
     MASKINGS,
@@ -10,7 +11,6 @@ from ecfit.microfacet import (
     Fresnel,
     SchlickFresnel,
     UnitFresnel,
-    masking_shadowing,
 )
 from ecfit.quadrature import HalfVectorReflection
 
@@ -34,6 +34,8 @@ class Conductor(BSDF):
     masking: str = option("separable", MASKINGS, "form of the masking-shadowing G2")
     fresnel: str = option("unit", ("unit", "schlick", "exact"), "F = 1, Schlick, or complex index")
 
+    fresnel_parameters = ("F0", "F90", "eta", "k")
+
     def active_parameters(self) -> tuple[str, ...]:
         by_fresnel = {"unit": (), "schlick": ("F0", "F90"), "exact": ("eta", "k")}
         return ("alpha", *by_fresnel[self.fresnel])
@@ -47,15 +49,7 @@ class Conductor(BSDF):
         return UnitFresnel()
 
     def f(self, wo: Array, wi: Array) -> Array:
-        above = (wo[2] > 0.0) & (wi[2] > 0.0)
-        # A safe stand-in below the horizon keeps gradients finite.
-        wi = jnp.where(above, wi, jnp.array([0.0, 0.0, 1.0]))
-        h = wo + wi
-        h = h / jnp.linalg.norm(h)
-        x = jnp.minimum(jnp.dot(wo, h), 1.0)
-        ndf = NDFS[self.ndf]
-        g = masking_shadowing(ndf, self.masking, wo[2], wi[2], self.alpha)
-        return jnp.where(above, 0.25 * self.fresnel_factor()(x) * ndf.D(h[2], self.alpha) * g, 0.0)
+        return reflection(self.ndf, self.masking, self.alpha, self.fresnel_factor(), wo, wi)
 
     def measure(self) -> HalfVectorReflection:
         return HalfVectorReflection(NDFS[self.ndf], self.masking, self.alpha, self.fresnel_factor())

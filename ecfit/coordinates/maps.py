@@ -4,6 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 Array = Any
 
 
@@ -20,12 +22,15 @@ class Map:
 
 
 def _ior_from_f0(f0: Array) -> Array:
-    s = f0**0.5
-    return (1.0 + s) / (1.0 - s)
+    s = np.float64(1.0) * f0**0.5
+    with np.errstate(divide="ignore"):  # F0 = 1 is an infinite index
+        return (1.0 + s) / (1.0 - s)
 
 
 def _f0_from_ior(ior: Array) -> Array:
-    s = (ior - 1.0) / (ior + 1.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        e = np.float64(1.0) / ior
+        s = (1.0 - e) / (1.0 + e)
     return s * s
 
 

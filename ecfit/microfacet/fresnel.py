@@ -16,6 +16,17 @@ class Fresnel(eqx.Module):
     def __call__(self, x: Array) -> Array:
         """Reflectance in [0, 1] at x in [0, 1]."""
 
+    def complement(self) -> "Fresnel":
+        """1 - F: what passes."""
+        return _Complement(self)
+
+
+class _Complement(Fresnel):
+    fresnel: Fresnel
+
+    def __call__(self, x: Array) -> Array:
+        return 1.0 - self.fresnel(x)
+
 
 class UnitFresnel(Fresnel):
     """F = 1: a white conductor, the normaliser of energy compensation."""
@@ -35,24 +46,55 @@ class SchlickFresnel(Fresnel):
         return self.F0 + (self.F90 - self.F0) * (1.0 - x) ** self.exponent
 
 
+def refracted_cosine(eta: Array, x: Array) -> tuple[Array, Array]:
+    """cos(theta_t) by Snell's law at x = cos(theta), and whether there is a refracted ray.
+
+    eta = n_transmitted / n_incident, infinity included; the cosine is 1 under total reflection.
+    """
+    e = 1.0 / eta
+    c2 = 1.0 - e * e * (1.0 - x) * (1.0 + x)
+    refracts = c2 > 0.0
+    # The stand-in keeps the gradient of the root finite under total reflection.
+    return jnp.sqrt(jnp.where(refracts, c2, 1.0)), refracts
+
+
 class DielectricFresnel(Fresnel):
     """Exact unpolarised Fresnel of a dielectric, eta = n_transmitted / n_incident as seen by wo.
 
-    Walter et al. 2007, eq. 22; 1 under total internal reflection (eta < 1, x^2 < 1 - eta^2).
+    Walter et al. 2007, eq. 22; 1 under total internal reflection (eta < 1, x^2 < 1 - eta^2) and for
+    eta = infinity.
     """
 
     eta: Array
 
     def __call__(self, x: Array) -> Array:
-        t2 = self.eta * self.eta - (1.0 - x) * (1.0 + x)
-        refracts = t2 > 0.0
-        # g = eta cos(theta_t); the inner `where` keeps the gradient of the root finite under TIR.
-        g = jnp.sqrt(jnp.where(refracts, t2, 1.0))
-        # (g - x)/(g + x) with g^2 - x^2 = eta^2 - 1: exactly 0 at eta = 1.
-        s = (self.eta * self.eta - 1.0) / (g + x) ** 2
-        n2 = self.eta * self.eta
-        p = (n2 * x - g) / (n2 * x + g)
-        return jnp.where(refracts, 0.5 * (s * s + p * p), 1.0)
+        c, refracts = refracted_cosine(self.eta, x)
+        e = 1.0 / self.eta
+        # (e x - c) / (e x + c) with c^2 - e^2 x^2 = 1 - e^2: exactly 0 at eta = 1.
+        s = (1.0 - e) * (1.0 + e) / (e * x + c) ** 2
+        # 0 / 0 only for x = 0 and eta = infinity.
+        sum_ = x + e * c
+        regular = refracts & (sum_ > 0.0)
+        p = (x - e * c) / jnp.where(regular, sum_, 1.0)
+        return jnp.where(regular, 0.5 * (s * s + p * p), 1.0)
+
+
+class SchlickDielectricFresnel(Fresnel):
+    """Schlick's F0 + (F90 - F0) (1 - c)^5 for an interface, F0 = ((eta - 1) / (eta + 1))^2.
+
+    c is the cosine in the less dense medium: x when entering, that of the refracted ray when leaving, where
+    total reflection makes F = 1 (as renderers do it, e.g. Lagarde 2013).
+    """
+
+    eta: Array
+    F90: Array
+
+    def __call__(self, x: Array) -> Array:
+        e = 1.0 / self.eta
+        s = (1.0 - e) / (1.0 + e)
+        c, refracts = refracted_cosine(self.eta, x)
+        c = jnp.where(self.eta < 1.0, c, x)
+        return jnp.where(refracts, s * s + (self.F90 - s * s) * (1.0 - c) ** 5, 1.0)
 
 
 class ConductorFresnel(Fresnel):

@@ -5,6 +5,7 @@ serves every alpha, and the peak of a small alpha disappears from the integrand.
 """
 
 import abc
+from typing import ClassVar
 
 import equinox as eqx
 
@@ -24,19 +25,31 @@ class NDF(eqx.Module):
     def mu_lambda(self, mu: Array, alpha: Array) -> Array:
         """mu Lambda(mu): finite and smooth down to mu = 0 and alpha = 0, where Lambda itself is not."""
 
-    @abc.abstractmethod
-    def slope_rule(self, num: Array, den: Array, u: Array) -> tuple[Array, Array, Array]:
-        """Nodes for the integral of D(h) cos(theta_h) over slopes T = tan(theta_h) / alpha.
+    # The integrals below have nodes clustered with this power at the horizon of wi, where masking leaves a
+    # boundary layer (the best of 2, 3, 4 for 12 to 48 nodes).
+    horizon_power: ClassVar[int]
 
-        The azimuth is left to the caller. Args: the upper end T_max = num / den (den = 0: infinity),
-        and u in [0, 1]. Returns (n, d, w) with T = n / d and, for any smooth g,
-        integral over T of g(T) D cos(theta_h) sin(theta_h) dtheta_h = integral of g(n / d) d w du.
-        (The factor d is left out of w because the integrand's x / cos(theta_h) brings a 1 / d.)
+    @abc.abstractmethod
+    def chart(self, num: Array, den: Array) -> Array:
+        """The coordinate w, from w = 0 at T = 0, of the slope T = num / den (den = 0: infinity).
+
+        In w the integrals of D over slopes are smooth up to their end; `nodes` is the inverse.
+        """
+
+    @abc.abstractmethod
+    def nodes(self, w: Array) -> tuple[Array, Array, Array]:
+        """(n, d, density) with T = n / d at w, such that for any smooth g
+
+        integral of g(T) D cos(theta_h) sin(theta_h) dtheta_h = integral of g(n / d) d density dw.
+        The azimuth is left to the caller. (The factor d is left out of the density because the
+        integrand's x / cos(theta_h) brings a 1 / d.)
         """
 
 
 class GGX(NDF):
     """Trowbridge-Reitz (Walter et al. 2007, eq. 33 and 34)."""
+
+    horizon_power: ClassVar[int] = 3
 
     def D(self, cos_theta: Array, alpha: Array) -> Array:
         c2 = cos_theta * cos_theta
@@ -51,21 +64,22 @@ class GGX(NDF):
         g = jnp.where(g2 > 0.0, jnp.sqrt(jnp.where(g2 > 0.0, g2, 1.0)), 0.0)
         return 0.5 * (g - mu)
 
-    def slope_rule(self, num: Array, den: Array, u: Array) -> tuple[Array, Array, Array]:
-        # T = tan(psi) = 2 w / (1 - w^2) with w = tan(psi / 2): rational in w up to T = infinity (w = 1),
-        # and D cos sin dtheta = sin(psi) cos(psi) dpsi / pi. Nodes cluster cubically at the upper end,
-        # where masking leaves a boundary layer (the power 3 was the best of 2, 3, 4 for 12 to 48 nodes).
-        w_max = num / (den + jnp.sqrt(num * num + den * den))
-        v = 1.0 - u
-        w = w_max * (1.0 - v * v * v)
-        c = (1.0 - w) * (1.0 + w)
+    def chart(self, num: Array, den: Array) -> Array:
+        # T = tan(psi) = 2 w / (1 - w^2) with w = tan(psi / 2): rational in w up to T = infinity (w = 1).
+        length = num * num + den * den
+        safe = length > 0.0
+        return jnp.where(safe, num / (den + jnp.sqrt(jnp.where(safe, length, 1.0))), 0.0)
+
+    def nodes(self, w: Array) -> tuple[Array, Array, Array]:
+        # D cos sin dtheta = sin(psi) cos(psi) dpsi / pi.
         q = 1.0 / (1.0 + w * w)
-        return 2.0 * w, c, (12.0 / jnp.pi) * w_max * v * v * w * q * q * q
+        return 2.0 * w, (1.0 - w) * (1.0 + w), (4.0 / jnp.pi) * w * q * q * q
 
 
 class Beckmann(NDF):
     """Beckmann (Walter et al. 2007, eq. 25; Lambda in closed form: Heitz 2014, eq. 72)."""
 
+    horizon_power: ClassVar[int] = 2
     # exp(-T^2) is below 1e-19 here: the rest of the integral is under the rounding error of 64 bits.
     T_CUT = 6.6
 
@@ -84,13 +98,13 @@ class Beckmann(NDF):
         gauss = t * jnp.exp(-a * a) / (2.0 * jnp.sqrt(jnp.pi))
         return jnp.maximum(gauss - 0.5 * mu * jax.scipy.special.erfc(a), 0.0)
 
-    def slope_rule(self, num: Array, den: Array, u: Array) -> tuple[Array, Array, Array]:
-        # Where the true end is beyond the cut, integrate to the cut; the switch costs nothing visible
-        # because the integrand is below rounding there.
-        t_max = jnp.where(num < self.T_CUT * den, num / jnp.where(den > 0.0, den, 1.0), self.T_CUT)
-        v = 1.0 - u
-        t = t_max * (1.0 - v * v)
-        return t, jnp.ones_like(t), (2.0 / jnp.pi) * t_max * v * t * jnp.exp(-t * t)
+    def chart(self, num: Array, den: Array) -> Array:
+        # Where T is beyond the cut, integrals end at the cut; the switch costs nothing visible because the
+        # integrand is below rounding there.
+        return jnp.where(num < self.T_CUT * den, num / jnp.where(den > 0.0, den, 1.0), self.T_CUT)
+
+    def nodes(self, w: Array) -> tuple[Array, Array, Array]:
+        return w, jnp.ones_like(w), w * jnp.exp(-w * w) / jnp.pi
 
 
 NDFS: dict[str, NDF] = {"ggx": GGX(), "beckmann": Beckmann()}

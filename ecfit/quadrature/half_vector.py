@@ -17,7 +17,7 @@ import equinox as eqx
 import numpy as np
 
 from ecfit._jax import jax, jnp
-from ecfit.microfacet import NDF, Fresnel, masking_shadowing
+from ecfit.microfacet import NDF, Fresnel, UnitFresnel, masking_shadowing
 from ecfit.quadrature.measure import Measure
 from ecfit.quadrature.rules import Estimate, graded, integrate
 
@@ -30,6 +30,12 @@ _SCALE_FLOOR = 1e-6
 _TINY = 1e-100
 # Taken from mu, relatively: at mu = 1 the derivative of sin(theta_o) is infinite, though that of E is not.
 _BELOW_ONE = 1e-13
+
+
+def direction(mu: Array) -> tuple[Array, Array]:
+    """mu = cos(theta_o), kept off 0 and 1, and s = sin(theta_o)."""
+    mu = mu * (1.0 - _BELOW_ONE) + _TINY
+    return mu, jnp.sqrt((1.0 - mu) * (1.0 + mu))
 
 
 def azimuths(mu: Array, t: np.ndarray) -> tuple[Array, Array]:
@@ -73,16 +79,22 @@ class HalfVectorReflection(Measure):
     def levels(self) -> tuple[int, ...]:
         return tuple(a * b for a, b in self.ORDERS)
 
+    def with_factor(self, factor: Fresnel) -> "HalfVectorReflection":
+        """The same lobe with another function of x = wo.h in place of F."""
+        return HalfVectorReflection(self.ndf, self.masking, self.alpha, factor)
+
     def albedo(self, mu: Array, level: int, lobe: str) -> Estimate:
         if lobe == "transmission":
             return Estimate(jnp.zeros_like(mu), jnp.zeros_like(mu))
         slope, azimuth = (graded(0, count) for count in self.ORDERS[level])
-        alpha, mu = self.alpha, mu * (1.0 - _BELOW_ONE) + _TINY
-        s = jnp.sqrt((1.0 - mu) * (1.0 + mu))
+        alpha, (mu, s) = self.alpha, direction(mu)
         c, jacobian = azimuths(mu, azimuth.nodes)
         num, den = horizon(mu, s, c)
         # Shapes below: (azimuth, slope).
-        n, d, w = self.ndf.slope_rule(num[:, None], (alpha * den)[:, None], jnp.asarray(slope.nodes))
+        power, v = self.ndf.horizon_power, 1.0 - slope.nodes
+        w_max = self.ndf.chart(num, alpha * den)[:, None]
+        n, d, density = self.ndf.nodes(w_max * (1.0 - v**power))
+        w = density * w_max * (power * v ** (power - 1))
         p = d * mu + alpha * n * (s * c)[:, None]  # x R
         r2 = d * d + (alpha * n) ** 2  # R^2, with cos(theta_h) = d / R
         mu_i = jnp.maximum(2.0 * p * d / r2 - mu, 0.0)
@@ -90,3 +102,21 @@ class HalfVectorReflection(Measure):
         x = jnp.minimum(p / jnp.sqrt(r2), 1.0)
         found = integrate(jacobian[:, None] * (self.fresnel(x) * g * p * w), azimuth, slope)
         return Estimate(found.value, jnp.maximum(found.error, self.FLOORS[level]))
+
+
+class ThinInterface(Measure):
+    """A sheet whose transmitted lobe is the reflected one mirrored, with 1 - F for F."""
+
+    reflection: HalfVectorReflection
+
+    default_level: ClassVar[int] = HalfVectorReflection.default_level
+    confirm: ClassVar[bool] = HalfVectorReflection.confirm
+
+    @property
+    def levels(self) -> tuple[int, ...]:
+        return self.reflection.levels
+
+    def albedo(self, mu: Array, level: int, lobe: str) -> Estimate:
+        fresnel = self.reflection.fresnel
+        factor = {"all": UnitFresnel(), "reflection": fresnel, "transmission": fresnel.complement()}[lobe]
+        return self.reflection.with_factor(factor).albedo(mu, level, "reflection")

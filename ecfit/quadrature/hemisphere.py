@@ -20,15 +20,17 @@ class Hemisphere(Measure):
 
     Panels halve towards theta_i = theta_o and phi = pi (for transmission: the straight-through
     direction), so that a lobe around it is resolved down to a width of about pi 2^-depth. A BSDF that
-    peaks elsewhere or has discontinuities converges slowly and its entries say so.
+    peaks elsewhere or has discontinuities it does not tell of converges slowly, and its entries say so.
 
     Attributes:
         f: the BSDF value f(wo, wi) of unit vectors of shape (3,), without the cosine.
         transmissive: whether f is to be integrated over the lower hemisphere at all.
+        edges: cosines wi.z of the discontinuities of f(wo, .) for a given mu (see `BSDF.edges`).
     """
 
     f: Callable[[Array, Array], Array]
     transmissive: bool = True
+    edges: Callable[[Array], Array] | None = None
 
     default_level: ClassVar[int] = 3
     # (dyadic depth, nodes per panel and dimension) of each level.
@@ -69,15 +71,24 @@ class Hemisphere(Measure):
         mu = jnp.maximum(mu, _HORIZON)
         theta_o = jnp.arccos(jnp.clip(mu, 0.0, 1.0))
         wo = jnp.stack([jnp.sin(theta_o), jnp.zeros_like(mu), mu])
-        # theta_i in [0, theta_o] and [theta_o, pi/2], phi in [0, pi] and [pi, 2 pi]: graded towards
-        # theta_o and pi.
-        below, above = theta_o, 0.5 * jnp.pi - theta_o
-        theta = jnp.concatenate([theta_o - below * x, theta_o + above * x])
-        w_theta = jnp.concatenate([below * width, above * width]) * jnp.sin(theta) * jnp.cos(theta)
+        edges = jnp.zeros(0) if self.edges is None else self.edges(mu)
+
+        def polar(sign: float) -> tuple[Array, Array]:
+            """Nodes and weights in theta_i: pieces between the edges, graded towards theta_o."""
+            jumps = jnp.arccos(jnp.clip(sign * edges, 0.0, 1.0))
+            ends = jnp.sort(jnp.concatenate([jnp.stack([0.0 * theta_o, theta_o, half]), jumps]))
+            low, high = ends[:-1, None], ends[1:, None]
+            theta = jnp.where(high <= theta_o, high - (high - low) * x, low + (high - low) * x).ravel()
+            return theta, ((high - low) * width).ravel() * jnp.sin(theta) * jnp.cos(theta)
+
+        half = jnp.asarray(0.5 * jnp.pi)
+        # phi in [0, pi] and [pi, 2 pi], graded towards pi.
         phi = jnp.pi * jnp.concatenate([1.0 + x, 1.0 - x])
         w_phi = jnp.pi * jnp.concatenate([width, width])
 
         def side(sign: float) -> Estimate:
+            theta, w_theta = polar(sign)
+
             def value(t: Array, p: Array) -> Array:
                 sin = jnp.sin(t)
                 wi = jnp.stack([sin * jnp.cos(p), sin * jnp.sin(p), sign * jnp.cos(t)])

@@ -1,4 +1,4 @@
-"""Refinement: each entry climbs the levels of its measure until its error estimate meets the tolerance."""
+"""Refinement: entries climb the levels of their measure until the error estimates meet the tolerance."""
 
 import enum
 from collections.abc import Callable, Iterable, Sequence
@@ -28,7 +28,7 @@ _ROUNDING = 2e-13
 
 @dataclass(frozen=True)
 class Refined:
-    """Values, error estimates (absolute), `Status` and level of each entry; arrays of shape (count,)."""
+    """Values, error estimates (absolute) and `Status`, shape (rows, entries a row); level, shape (rows,)."""
 
     values: np.ndarray
     errors: np.ndarray
@@ -38,25 +38,25 @@ class Refined:
 
 def refine(
     evaluate: Callable[[int, np.ndarray], tuple[np.ndarray, np.ndarray]],
-    count: int,
+    shape: tuple[int, int],
     levels: int,
     tolerance: float,
     confirm: bool,
     progress: Callable[[int], None] | None = None,
 ) -> Refined:
-    """Values of `count` entries with error estimates.
+    """Values of rows of entries with error estimates; a row climbs until all its entries are good enough.
 
     Args:
-        evaluate: (level, indices) -> values and error estimates of those entries at that level.
-        count: number of entries.
+        evaluate: (level, row indices) -> values and error estimates of those rows at that level.
+        shape: number of rows, and of entries a row.
         levels: number of levels.
         tolerance: absolute error to reach.
         confirm: count the change from the level before as an error, and stop at level 1 or later.
         progress: called with the number of entries that finished since the last call.
     """
-    values, errors = np.full(count, np.nan), np.full(count, np.inf)
-    level_of = np.zeros(count, dtype=np.int8)
-    active = np.arange(count)
+    values, errors = np.full(shape, np.nan), np.full(shape, np.inf)
+    level_of = np.zeros(shape[0], dtype=np.int8)
+    active = np.arange(shape[0])
     for level in range(levels):
         value, error = evaluate(level, active)
         error = error + _ROUNDING * (1.0 + np.abs(value))
@@ -65,14 +65,14 @@ def refine(
                 np.maximum(error, np.abs(value - values[active])) if level else np.full_like(error, np.inf)
             )
         values[active], errors[active], level_of[active] = value, error, level
-        left = active[~(error <= tolerance)]
+        left = active[~np.all(error <= tolerance, axis=1)]
         if progress is not None:
-            progress(active.size - left.size)
+            progress((active.size - left.size) * shape[1])
         active = left
         if active.size == 0:
             break
     if progress is not None and active.size:
-        progress(active.size)
+        progress(active.size * shape[1])
     status = np.where(errors <= tolerance, Status.CONVERGED, Status.TOLERANCE_NOT_MET).astype(np.int8)
     bad = ~np.isfinite(values)
     status[bad] = Status.NOT_FINITE
@@ -81,15 +81,15 @@ def refine(
 
 
 def in_blocks(
-    function: Callable[..., Iterable[Any]], arrays: Sequence[np.ndarray], block: int
+    function: Callable[..., Iterable[Any]], arrays: Sequence[np.ndarray], block: int, width: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Apply a vectorised `function` with two results to rows of `arrays`, in blocks of one fixed size.
 
-    The last block is padded: one size means one compilation, and bounds the memory whatever the number
-    of rows.
+    Results have shape (rows, width). The last block is padded: one size means one compilation, and bounds
+    the memory whatever the number of rows.
     """
     count = arrays[0].shape[0]
-    out = np.empty(count), np.empty(count)
+    out = np.empty((count, width)), np.empty((count, width))
     for start in range(0, count, block):
         piece = [a[start : start + block] for a in arrays]
         rows = piece[0].shape[0]

@@ -4,5 +4,9 @@ from ecfit.quantities.albedo import directional_albedo as directional_albedo
 from ecfit.quantities.base import AverageAlbedo as AverageAlbedo
 from ecfit.quantities.base import DirectionalAlbedo as DirectionalAlbedo
 from ecfit.quantities.base import Quantity as Quantity
-from ecfit.quantities.base import quantity as quantity
+from ecfit.quantities.moments import AverageFresnel as AverageFresnel
+from ecfit.quantities.moments import F82Moment as F82Moment
+from ecfit.quantities.moments import SchlickA as SchlickA
+from ecfit.quantities.moments import SchlickB as SchlickB
 from ecfit.quantities.points import parameter_map as parameter_map
+from ecfit.quantities.registry import quantity as quantity

@@ -1,4 +1,4 @@
-"""The protocol of a quantity and the two albedos."""
+"""The protocol of a quantity, and the two albedos."""
 
 import abc
 from typing import ClassVar
@@ -27,6 +27,14 @@ class Quantity(eqx.Module):
 
     # Coordinates that the quantity needs beside parameters of the model.
     coordinates: ClassVar[tuple[str, ...]] = ()
+
+    def parameters(self, model: BSDF) -> tuple[str, ...]:
+        """Names of the model's parameters that matter."""
+        return model.active_parameters()
+
+    def options(self) -> dict[str, int]:
+        """Settings of the quantity beside lobe and transport, for the contract."""
+        return {}
 
     def __check_init__(self) -> None:
         if self.lobe not in LOBES:
@@ -82,26 +90,20 @@ class AverageAlbedo(Quantity):
         return 8 + 6 * level
 
     def nodes(self, model: BSDF) -> tuple[int, ...]:
-        return tuple(n * self._count(i) for i, n in enumerate(model.measure().levels))
+        pieces = 1 + model.albedo_kinks().size
+        return tuple(n * self._count(i) * pieces for i, n in enumerate(model.measure().levels))
 
     def estimate(self, model: BSDF, mu: Array, level: int) -> Estimate:
-        # mu = t^2: E changes fastest within mu ~ alpha of grazing.
         rule = graded(0, self._count(level))
+        # E changes fastest within mu ~ alpha of grazing and of its kinks: nodes cluster there with t^2.
         t = jnp.asarray(rule.nodes)
-        albedo = jax.vmap(lambda m: self.directional(model, m, level))(t * t)
-        weight = 4.0 * t**3
+        kinks = jnp.sort(model.albedo_kinks())
+        ends = jnp.concatenate([jnp.zeros(1), kinks, jnp.ones(1)])
+        low, width = ends[:-1, None], jnp.diff(ends)[:, None]
+        unit, slope = (t * t, 2.0 * t) if kinks.size == 0 else (t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t))
+        cosine = (low + width * unit).ravel()
+        albedo = jax.vmap(lambda m: self.directional(model, m, level))(cosine)
+        weight = 2.0 * cosine * (width * slope).ravel()
         average = integrate_line(weight * albedo.value, rule)
-        return Estimate(average.value, average.error + jnp.asarray(rule.weights) @ (weight * albedo.error))
-
-
-_QUANTITIES: dict[str, type[Quantity]] = {
-    "directional-albedo": DirectionalAlbedo,
-    "average-albedo": AverageAlbedo,
-}
-
-
-def quantity(name: str, lobe: str = "all", transport: str = "energy") -> Quantity:
-    """The quantity of that name; raises `EcfitError` for an unknown name, lobe or transport."""
-    if name not in _QUANTITIES:
-        raise unknown("quantity", name, _QUANTITIES)
-    return _QUANTITIES[name](lobe, transport)
+        weights = jnp.tile(jnp.asarray(rule.weights), ends.size - 1)
+        return Estimate(average.value, average.error + weights @ (weight * albedo.error))

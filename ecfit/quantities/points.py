@@ -12,10 +12,11 @@ def parameter_map(model: BSDF, quantity: Quantity, name: str) -> tuple[str, Map]
     Raises `EcfitError` for a name that neither the quantity nor the model (under its options) knows.
     """
     try:
-        return view_of(name, (*quantity.coordinates, *model.active_parameters()))
+        return view_of(name, (*quantity.coordinates, *quantity.parameters(model)))
     except EcfitError as error:
-        inactive = set(model.parameter_ranges()) - set(model.active_parameters())
-        if name in inactive:
+        if name in set(model.parameter_ranges()) - set(model.active_parameters()):
             chosen = ", ".join(f"{k} = {v}" for k, v in model.options().items())
             raise EcfitError(f"parameter '{name}' has no effect with {chosen}") from None
+        if name in set(model.active_parameters()) - set(quantity.parameters(model)):
+            raise EcfitError(f"parameter '{name}' has no effect on this quantity") from None
         raise error

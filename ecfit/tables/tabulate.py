@@ -24,7 +24,7 @@ from ecfit.tables.table import Table
 Array = jax.Array
 
 # Raise this when a change moves the numbers of tables: it is part of every table's key.
-NUMERICS_VERSION = 1
+NUMERICS_VERSION = 2
 
 # BSDF values held at once (4 MB an intermediate array): within the caches, whatever the grid.
 _BLOCK_VALUES = 2**19
@@ -85,9 +85,8 @@ class Request:
         for name in self.quantity.coordinates:
             if name not in seen:
                 raise EcfitError(f"the quantity '{self.quantity_name}' needs the axis '{name}'")
-        for name, used in (("quantity", self.quantity.coordinates),):
-            if not used and "mu" in self.grid.names:
-                raise EcfitError(f"the {name} '{self.quantity_name}' does not depend on mu")
+        if "mu" not in self.quantity.coordinates and "mu" in self.grid.names:
+            raise EcfitError(f"the quantity '{self.quantity_name}' does not depend on mu")
 
     @classmethod
     def make(
@@ -98,10 +97,11 @@ class Request:
         lobe: str = "all",
         transport: str = "energy",
         tolerance: float = 1e-7,
+        quantity_options: Mapping[str, int] | None = None,
     ) -> "Request":
         """Resolve names and axis counts; see `tabulate` for the arguments."""
         bsdf = as_model(model)
-        quantity_ = quantity(quantity_name, lobe, transport)
+        quantity_ = quantity(quantity_name, lobe, transport, **(quantity_options or {}))
         if not isinstance(axes, Mapping) or not axes:
             raise EcfitError("axes must be a mapping such as {'r': 64, 'mu': 64}")
         made = []
@@ -121,7 +121,7 @@ class Request:
     def contract(self) -> Contract:
         """The conventions of the table."""
         axes = {parameter_map(self.model, self.quantity, a.name)[0] for a in self.grid.axes}
-        fixed = [n for n in self.model.active_parameters() if n not in axes]
+        fixed = [n for n in self.quantity.parameters(self.model) if n not in axes]
         return Contract(
             model=name_of(self.model),
             options=self.model.options(),
@@ -129,6 +129,7 @@ class Request:
             quantity=self.quantity_name,
             lobe=self.quantity.lobe,
             transport=self.quantity.transport,
+            quantity_options=self.quantity.options(),
             sampling="clamped" if any(a.clamped for a in self.grid.axes) else "true",
         )
 
@@ -149,45 +150,80 @@ class Request:
         return digest.hexdigest()[:16]
 
     def compute(self, progress: Callable[[int], None] | None = None) -> Table:
-        """Integrate every entry until its error estimate meets the tolerance."""
-        names = self.grid.names
-        maps = {n: parameter_map(self.model, self.quantity, n) for n in names}
-        nodes = self.quantity.nodes(self.model)
+        """Integrate every entry until its error estimate meets the tolerance.
 
-        def evaluate(level: int, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            points = self.grid.nodes_at(index)
-            arrays = [np.asarray(maps[n][1].forward(points[n])) for n in names]
-            parameters = tuple(maps[n][0] for n in names)
-            block = max(1, min(_BLOCK_VALUES // nodes[level], 1 << (index.size - 1).bit_length()))
-            return in_blocks(
-                lambda *a: _evaluate(self.model, self.quantity, parameters, level, a), arrays, block
-            )
+        Entries that differ only in a parameter of the Fresnel factor form rows, which share the geometry.
+        """
+        axes = list(self.grid.axes)
+        maps = {a.name: parameter_map(self.model, self.quantity, a.name) for a in axes}
+        shared = [a for a in axes if maps[a.name][0] in self.model.fresnel_parameters]
+        inner = max(shared, key=len, default=None)
+        outer = [a for a in axes if a is not inner]
+        outer_names = tuple(maps[a.name][0] for a in outer)
+        outer_nodes = [np.asarray(maps[a.name][1].forward(a.nodes)) for a in outer]
+        outer_shape = tuple(len(a) for a in outer)
+        if inner is None:
+            inner_name, inner_nodes = None, np.zeros(1)
+        else:
+            inner_name = maps[inner.name][0]
+            inner_nodes = np.asarray(maps[inner.name][1].forward(inner.nodes))
+        nodes = self.quantity.nodes(self.model)
+        width = inner_nodes.size
+
+        def evaluate(level: int, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            index = np.unravel_index(rows, outer_shape) if outer else ()
+            arrays = [n[i] for n, i in zip(outer_nodes, index, strict=True)] or [np.zeros(rows.size)]
+            most = 1 << (rows.size - 1).bit_length()
+            block = max(1, min(_BLOCK_VALUES // (nodes[level] * width), most))
+
+            def function(*a: np.ndarray) -> Estimate:
+                return _evaluate(self.model, self.quantity, outer_names, inner_name, level, a, inner_nodes)
+
+            return in_blocks(function, arrays, block, width)
 
         confirm = self.quantity.confirm(self.model)
-        done = refine(evaluate, self.grid.size, len(nodes), self.tolerance, confirm, progress)
-        shape = self.grid.shape
-        provenance = {**versions(), "key": self.key}
+        rows = int(np.prod(outer_shape))
+        done = refine(evaluate, (rows, width), len(nodes), self.tolerance, confirm, progress)
+
+        def in_order(values: np.ndarray) -> np.ndarray:
+            """From rows to the dimensions of the grid."""
+            if inner is None:
+                return values.reshape(outer_shape)
+            return np.moveaxis(values.reshape(*outer_shape, width), -1, axes.index(inner)).copy()
+
         return Table(
-            done.values.reshape(shape),
-            done.errors.reshape(shape),
-            done.status.reshape(shape),
+            in_order(done.values),
+            in_order(done.errors),
+            in_order(done.status),
             self.grid.axes,
             self.contract,
             float(self.tolerance),
-            provenance,
+            {**versions(), "key": self.key},
         )
 
 
 @eqx.filter_jit
 def _evaluate(
-    model: BSDF, quantity_: Quantity, parameters: tuple[str, ...], level: int, arrays: tuple[Array, ...]
+    model: BSDF,
+    quantity_: Quantity,
+    outer: tuple[str, ...],
+    inner: str | None,
+    level: int,
+    arrays: tuple[Array, ...],
+    shared: Array,
 ) -> Estimate:
-    def one(*values: Array) -> Estimate:
-        point = dict(zip(parameters, values, strict=True))
+    """Estimates of shape (rows, entries a row)."""
+
+    def one(value: Array, *values: Array) -> Estimate:
+        point = dict(zip(outer, values, strict=False))
+        if inner is not None:
+            point[inner] = value
         mu = point.pop("mu", jnp.asarray(1.0))
         return quantity_.estimate(model.with_parameters(point), mu, level)
 
-    return jax.vmap(one)(*arrays)
+    # The inner map leaves the geometry unbatched: it is computed once a row.
+    row = jax.vmap(one, (0, *[None] * len(arrays)))
+    return jax.vmap(row, (None, *[0] * len(arrays)))(shared, *arrays)
 
 
 def _source_hash(cls: type) -> str:
@@ -219,6 +255,7 @@ def tabulate(
     lobe: str = "all",
     transport: str = "energy",
     tolerance: float = 1e-7,
+    quantity_options: Mapping[str, int] | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Table:
     """Integrate a quantity of a model on a grid.
@@ -227,13 +264,15 @@ def tabulate(
         model: a BSDF or the name of a registered one.
         axes: name -> number of nodes (uniform over the full range), increasing nodes, or an `Axis`. Names
             are mu and the model's parameters in any view; the table's dimensions keep their order.
-        quantity: "directional-albedo" or "average-albedo".
+        quantity: a name of `ecfit.contract.QUANTITIES`: "directional-albedo", "average-albedo", ...
         lobe: "all", "reflection" or "transmission".
         transport: "energy" or "radiance".
         tolerance: absolute error to reach in every entry.
+        quantity_options: settings of the quantity, such as {"exponent": 6} for "schlick-b".
         progress: called with the number of entries that finished since the last call.
 
     Returns a `Table`; entries whose estimate stays above the tolerance carry that in their status.
     Raises `EcfitError` for unknown names and axes outside the model's domain.
     """
-    return Request.make(model, axes, quantity, lobe, transport, tolerance).compute(progress)
+    request = Request.make(model, axes, quantity, lobe, transport, tolerance, quantity_options)
+    return request.compute(progress)

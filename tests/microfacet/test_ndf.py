@@ -100,8 +100,8 @@ def test_gradients_of_mu_lambda_agree_with_differences(name, mu, alpha):
 @both
 @pytest.mark.parametrize("alpha", [0.03, 1.0])
 @pytest.mark.parametrize(("num", "den"), [(0.15, 0.5), (2.0, 1.0), (9.0, 1.0), (1.0, 0.0)])
-def test_slope_rule_integrates_density_times_a_smooth_function(name, alpha, num, den, panels):
-    """One rule in T = tan(theta) / alpha serves every alpha and every upper end, infinity among them."""
+def test_charts_integrate_density_times_a_smooth_function(name, alpha, num, den, panels):
+    """One chart of T = tan(theta) / alpha serves every alpha and every upper end, infinity among them."""
 
     def g(t):
         return 1.0 / (1.0 + t * t) + t * t / (4.0 + t * t) ** 2
@@ -111,7 +111,7 @@ def test_slope_rule_integrates_density_times_a_smooth_function(name, alpha, num,
     d = np.asarray(NDFS[name].D(jnp.cos(jnp.asarray(theta)), jnp.asarray(alpha)))
     expected = weight @ (g(np.tan(theta) / alpha) * d * np.cos(theta) * np.sin(theta))
     u, w = panels([0.0, 1.0], 0, 64)
-    n, c, factor = (
-        np.asarray(v) for v in NDFS[name].slope_rule(jnp.asarray(num), jnp.asarray(den), jnp.asarray(u))
-    )
-    assert w @ (g(n / c) * c * factor) == pytest.approx(expected, abs=1e-13)
+    ndf = NDFS[name]
+    top = ndf.chart(jnp.asarray(num), jnp.asarray(den))
+    n, c, density = (np.asarray(v) for v in ndf.nodes(top * u))
+    assert w @ (g(n / c) * c * density) * float(top) == pytest.approx(expected, abs=1e-13)

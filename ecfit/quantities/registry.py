@@ -1,0 +1,27 @@
+"""Quantities by name."""
+
+from ecfit.errors import EcfitError, unknown
+from ecfit.quantities.base import AverageAlbedo, DirectionalAlbedo, Quantity
+from ecfit.quantities.moments import AverageFresnel, F82Moment, SchlickA, SchlickB
+
+_QUANTITIES: dict[str, type[Quantity]] = {
+    "directional-albedo": DirectionalAlbedo,
+    "average-albedo": AverageAlbedo,
+    "schlick-a": SchlickA,
+    "schlick-b": SchlickB,
+    "f82-moment": F82Moment,
+    "average-fresnel": AverageFresnel,
+}
+
+
+def quantity(name: str, lobe: str = "all", transport: str = "energy", **options: int) -> Quantity:
+    """The quantity of that name; `options` are its settings, such as `exponent`.
+
+    Raises `EcfitError` for an unknown name, lobe, transport or setting.
+    """
+    if name not in _QUANTITIES:
+        raise unknown("quantity", name, _QUANTITIES)
+    try:
+        return _QUANTITIES[name](lobe, transport, **options)
+    except TypeError:
+        raise EcfitError(f"quantity '{name}' does not take {', '.join(options)}") from None
