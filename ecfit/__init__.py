@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from ecfit.bsdf import parameter as parameter
     from ecfit.bsdf import register as register
     from ecfit.check import check_bsdf as check_bsdf
+    from ecfit.compensation import Furnace as Furnace
+    from ecfit.compensation import compensate as compensate
+    from ecfit.compensation import furnace as furnace
     from ecfit.contract import Contract as Contract
     from ecfit.coordinates import Axis as Axis
     from ecfit.coordinates import Grid as Grid
@@ -40,6 +43,9 @@ _HOME = {
     "parameter": "ecfit.bsdf",
     "register": "ecfit.bsdf",
     "check_bsdf": "ecfit.check",
+    "Furnace": "ecfit.compensation",
+    "compensate": "ecfit.compensation",
+    "furnace": "ecfit.compensation",
     "Contract": "ecfit.contract",
     "Axis": "ecfit.coordinates",
     "Grid": "ecfit.coordinates",

@@ -59,7 +59,7 @@ def _directions(rng: np.random.Generator, count: int, above: bool) -> np.ndarray
 def _settings(model: BSDF, rng: np.random.Generator, count: int) -> list[dict[str, float]]:
     """The model's own parameters, then random ones from their ranges (cut to what a test can integrate)."""
     names = model.active_parameters()
-    out = [{n: float(getattr(model, n)) for n in names}]
+    out = [{n: float(model.parameter_value(n)) for n in names}]
     ranges = model.parameter_ranges()
     for _ in range(count):
         point = {}

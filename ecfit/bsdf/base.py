@@ -106,6 +106,10 @@ class BSDF(eqx.Module):
         """The chosen options."""
         return {name: getattr(self, name) for name in self.option_choices()}
 
+    def parameter_value(self, name: str) -> Array:
+        """The value of a parameter."""
+        return getattr(self, name)
+
     def with_parameters(self, values: Mapping[str, Array]) -> "BSDF":
         """A copy with other parameters; scalars, arrays or tracers."""
         known = self.parameter_ranges()

@@ -2,12 +2,15 @@
 
 import inspect
 from collections.abc import Callable
+from importlib import import_module
 from typing import TypeVar
 
 from ecfit.bsdf.base import BSDF
 from ecfit.errors import EcfitError, did_you_mean, unknown
 
 _MODELS: dict[str, type[BSDF]] = {}
+# Models of layers above this one, imported when they are asked for.
+_LAZY = {"glossy": "ecfit.compensation"}
 
 T = TypeVar("T", bound=type[BSDF])
 
@@ -33,6 +36,8 @@ def register(name: str) -> Callable[[T], T]:
 
 def models() -> dict[str, type[BSDF]]:
     """All registered models, by name."""
+    for module in _LAZY.values():
+        import_module(module)
     return dict(_MODELS)
 
 
@@ -42,7 +47,7 @@ def model(name: str, **settings: object) -> BSDF:
     `settings` are its options (words) and parameters (numbers). Raises `EcfitError` for an unknown
     model, setting or option value, and for a parameter outside its range.
     """
-    if name not in _MODELS:
+    if name not in _MODELS and name not in models():
         raise unknown("model", name, _MODELS)
     cls = _MODELS[name]
     ranges, choices = cls.parameter_ranges(), cls.option_choices()

@@ -52,7 +52,8 @@ def refracted_cosine(eta: Array, x: Array) -> tuple[Array, Array]:
     eta = n_transmitted / n_incident, infinity included; the cosine is 1 under total reflection.
     """
     e = 1.0 / eta
-    c2 = 1.0 - e * e * (1.0 - x) * (1.0 + x)
+    # 1 - e^2 (1 - x^2) without cancellation at e = 1.
+    c2 = (1.0 - e) * (1.0 + e) + (e * x) ** 2
     refracts = c2 > 0.0
     # The stand-in keeps the gradient of the root finite under total reflection.
     return jnp.sqrt(jnp.where(refracts, c2, 1.0)), refracts

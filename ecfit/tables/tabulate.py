@@ -125,7 +125,7 @@ class Request:
         return Contract(
             model=name_of(self.model),
             options=self.model.options(),
-            parameters={n: float(getattr(self.model, n)) for n in fixed},
+            parameters={n: float(self.model.parameter_value(n)) for n in fixed},
             quantity=self.quantity_name,
             lobe=self.quantity.lobe,
             transport=self.quantity.transport,
