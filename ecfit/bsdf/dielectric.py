@@ -41,6 +41,7 @@ class Dielectric(BSDF):
     fresnel: str = option("exact", ("exact", "schlick"), "exact, or Schlick with the F0 of ior")
 
     transmissive = True
+    fresnel_parameters = ("ior", "F90")
 
     def active_parameters(self) -> tuple[str, ...]:
         return ("alpha", "ior", "F90") if self.fresnel == "schlick" else ("alpha", "ior")
