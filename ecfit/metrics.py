@@ -10,9 +10,6 @@ from ecfit.approximation import Approximation
 from ecfit.errors import EcfitError
 from ecfit.tables import Table
 
-# Points evaluated at once: bounds the memory of the monomials.
-_BLOCK = 32_768
-
 
 @dataclass(frozen=True)
 class Errors:
@@ -47,19 +44,6 @@ class Errors:
         return cls(place=place, **numbers)
 
 
-def _in_blocks(approximation: Approximation, points: list[np.ndarray]) -> np.ndarray:
-    """Values at flat arrays of points, in NumPy: a compilation for each fit would cost more."""
-    out = np.empty(points[0].size)
-    for start in range(0, out.size, _BLOCK):
-        part = slice(start, start + _BLOCK)
-        numerator, denominator = approximation.terms.parts(
-            approximation.coefficients, [p[part] for p in points]
-        )
-        with np.errstate(divide="ignore", invalid="ignore"):
-            out[part] = numerator / denominator
-    return out
-
-
 def predict(approximation: Approximation, table: Table) -> np.ndarray:
     """The approximation on the table's nodes, at the coordinates that a fit sees; the table's shape.
 
@@ -70,9 +54,9 @@ def predict(approximation: Approximation, table: Table) -> np.ndarray:
             f"'{approximation.name}' is a function of {', '.join(approximation.variables)}, "
             f"the table of {', '.join(table.names)}"
         )
-    nominal = table.grid.nominal_at(np.arange(table.grid.size))
-    points = [nominal[v] for v in approximation.variables]
-    return _in_blocks(approximation, points).reshape(table.grid.shape)
+    by_name = {axis.name: axis.nominal for axis in table.axes}
+    values = approximation.on_grid([by_name[v] for v in approximation.variables])
+    return np.transpose(values, [approximation.variables.index(n) for n in table.names])
 
 
 def signed_error(approximation: Approximation, table: Table) -> np.ndarray:
@@ -107,7 +91,6 @@ def prediction_range(approximation: Approximation, table: Table) -> tuple[float,
     counts = {1: 4097, 2: 193, 3: 49}
     count = counts.get(len(approximation.domain), 13)
     grid = [low + (high - low) * np.linspace(0.0, 1.0, count) for low, high in approximation.domain]
-    mesh = [m.ravel() for m in np.meshgrid(*grid, indexing="ij")]
-    between = _in_blocks(approximation, mesh)
+    between = approximation.on_grid(grid)
     nodes = predict(approximation, table)
     return float(min(between.min(), nodes.min())), float(max(between.max(), nodes.max()))

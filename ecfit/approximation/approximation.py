@@ -1,7 +1,7 @@
 """`Approximation`: an evaluated form that knows its coordinates, domain and contract."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,8 @@ class Approximation:
         domain: (low, high) of each variable.
         contract: the conventions of what is approximated.
         source: who published it, or "ecfit".
+        scales: (origin, unit) of each variable x: the monomials are those of (x - origin) / unit.
+            By default (0, 1).
     """
 
     name: str
@@ -39,6 +41,7 @@ class Approximation:
     domain: tuple[tuple[float, float], ...]
     contract: Contract
     source: str = "ecfit"
+    scales: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         coefficients = np.array(self.coefficients, dtype=np.float64)
@@ -52,6 +55,10 @@ class Approximation:
             raise EcfitError(f"'{self.name}': variables, domain and exponents differ in number")
         if any(not low < high for low, high in self.domain):
             raise EcfitError(f"'{self.name}': the domain must have low < high in each variable")
+        scales = self.scales or ((0.0, 1.0),) * self.terms.variables
+        if len(scales) != self.terms.variables or not all(np.isfinite(s).all() and s[1] > 0.0 for s in scales):
+            raise EcfitError(f"'{self.name}': scales must be one (origin, unit > 0) for each variable")
+        object.__setattr__(self, "scales", tuple((float(o), float(u)) for o, u in scales))
         coefficients.setflags(write=False)
         object.__setattr__(self, "coefficients", coefficients)
 
@@ -65,12 +72,24 @@ class Approximation:
 
     def at(self, points: Sequence[Any]) -> Array:
         """The value at points given as one array a variable, in the order of `variables`."""
-        numerator, denominator = self.terms.parts(jnp.asarray(self.coefficients), points)
+        numerator, denominator = self.parts([jnp.asarray(p) for p in points])
         return numerator / denominator
+
+    def parts(self, points: Sequence[Any]) -> tuple[Any, Any]:
+        """P and Q at points given as one array a variable; NumPy in, NumPy out."""
+        scaled = [(p - origin) / unit for p, (origin, unit) in zip(points, self.scales, strict=True)]
+        return self.terms.parts(self.coefficients, scaled)
+
+    def on_grid(self, nodes: Sequence[np.ndarray]) -> np.ndarray:
+        """The value, NumPy, on the tensor product of nodes given as one array a variable."""
+        scaled = [(np.asarray(n) - o) / u for n, (o, u) in zip(nodes, self.scales, strict=True)]
+        numerator, denominator = self.terms.on_grid(self.coefficients, scaled)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return numerator / denominator
 
     def denominator(self, **coordinates: Any) -> Array:
         """The denominator Q at physical coordinates."""
-        return self.terms.parts(jnp.asarray(self.coefficients), self._points(coordinates))[1]
+        return self.parts(self._points(coordinates))[1]
 
     def _points(self, coordinates: Mapping[str, Any]) -> list[Array]:
         found = resolve(self.variables, coordinates)
@@ -78,7 +97,33 @@ class Approximation:
 
     def smallest_denominator(self) -> Minimum:
         """The minimum of Q over the whole domain (not only on nodes), with a lower bound."""
-        return smallest_denominator(self.terms, self.coefficients, self.domain)
+        box = [
+            ((low - origin) / unit, (high - origin) / unit)
+            for (low, high), (origin, unit) in zip(self.domain, self.scales, strict=True)
+        ]
+        found = smallest_denominator(self.terms, self.coefficients, box)
+        place = tuple(o + u * x for x, (o, u) in zip(found.place, self.scales, strict=True))
+        return found._replace(place=place)
+
+    def in_scales(self, scales: Sequence[tuple[float, float]]) -> "Approximation":
+        """The same function with monomials of (x - origin) / unit: other coefficients, equal values.
+
+        Raises `EcfitError` where the denominator vanishes at the new origin, as it then has no constant 1.
+        """
+        highest = self.terms.highest
+        tables = []
+        for (old_origin, old_unit), (origin, unit) in zip(self.scales, scales, strict=True):
+            line = np.polynomial.Polynomial([(origin - old_origin) / old_unit, unit / old_unit])
+            rows = np.zeros((highest + 1, highest + 1))
+            for k in range(highest + 1):
+                power = (line**k).coef
+                rows[k, : len(power)] = power
+            tables.append(rows)
+        p, q = self.terms.split(self.coefficients)
+        coefficients = self.terms.converted(p, np.concatenate([[1.0], q]), tables)
+        if not np.all(np.isfinite(coefficients)):
+            raise EcfitError(f"'{self.name}': the denominator vanishes at the new origin")
+        return replace(self, coefficients=coefficients, scales=tuple(scales))
 
     def to_dict(self) -> dict:
         """A JSON-ready dictionary that `from_dict` reads back exactly."""
@@ -88,6 +133,7 @@ class Approximation:
             "degree": self.degree,
             "variables": list(self.variables),
             "domain": [list(d) for d in self.domain],
+            "scales": [list(s) for s in self.scales],
             "numerator_exponents": self.terms.numerator.tolist(),
             "denominator_exponents": self.terms.denominator.tolist(),
             "denominator_constant": 1.0,
@@ -114,6 +160,7 @@ class Approximation:
                 domain=tuple((float(low), float(high)) for low, high in data["domain"]),
                 contract=Contract.from_dict(data["contract"]),
                 source=str(data["source"]),
+                scales=tuple((float(o), float(u)) for o, u in data.get("scales", ())),
             )
         except EcfitError as error:
             raise EcfitError(f"{where}: {error}") from None

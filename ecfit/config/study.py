@@ -77,9 +77,20 @@ class TableConfig(_Section):
     options: Annotated[
         dict[str, Annotated[Any, BeforeValidator(_setting)]], Field(description="the model's settings")
     ] = {}
-    quantity: Annotated[Literal["directional-albedo", "average-albedo"], Field(description="integrated")] = (
-        "directional-albedo"
-    )
+    quantity: Annotated[
+        Literal[
+            "directional-albedo",
+            "average-albedo",
+            "schlick-a",
+            "schlick-b",
+            "f82-moment",
+            "average-fresnel",
+        ],
+        Field(description="what is integrated"),
+    ] = "directional-albedo"
+    quantity_options: Annotated[
+        dict[str, int], Field(description="settings of the quantity, such as exponent")
+    ] = {}
     lobe: Annotated[Literal["all", "reflection", "transmission"], Field(description="part of the BSDF")] = (
         "all"
     )
@@ -101,6 +112,7 @@ class FitsConfig(_Section):
     degree: Annotated[Degrees | None, Field(description="total degree, or a list")] = None
     numerator: Annotated[Degrees | None, Field(description="with denominator, instead of degree")] = None
     denominator: Annotated[Degrees | None, Field(description="with numerator, instead of degree")] = None
+    guarded: Annotated[bool, Field(description="rational: false lets the optimum have poles")] = True
 
     @model_validator(mode="after")
     def _degrees(self) -> "FitsConfig":
@@ -109,16 +121,19 @@ class FitsConfig(_Section):
             raise ValueError("give either degree, or both numerator and denominator")
         if apart and self.form != "rational":
             raise ValueError("numerator and denominator belong to the form 'rational'")
+        if not self.guarded and self.form != "rational":
+            raise ValueError("guarded = false belongs to the form 'rational'")
         if 0 in (self.degree or []):
             raise ValueError("degree must be 1 or more")
         return self
 
-    def settings(self) -> list[dict[str, int]]:
+    def settings(self) -> list[dict[str, int | bool]]:
         """The form's settings of each fit, in the order of the file."""
+        rest: dict[str, int | bool] = {} if self.guarded else {"guarded": False}
         if self.degree is not None:
-            return [{"degree": d} for d in self.degree]
+            return [{"degree": d, **rest} for d in self.degree]
         return [
-            {"numerator": n, "denominator": d}
+            {"numerator": n, "denominator": d, **rest}
             for n in self.numerator or []
             for d in self.denominator or []
             if n or d

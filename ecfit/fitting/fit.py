@@ -1,6 +1,6 @@
 """`fit`: from a table and a form to coefficients with an honest account of how good they are."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from ecfit.errors import EcfitError
 from ecfit.files import read_json, write_json
 from ecfit.fitting.problem import Problem
 from ecfit.fitting.solver import Solution, linear_solution, mean_square, solve
-from ecfit.fitting.start import embedded, polynomial_start, sanathanan_koerner
+from ecfit.fitting.start import embedded, ones_start, polynomial_start, sanathanan_koerner
 from ecfit.forms import Form, Minimum, Terms, smallest_denominator
 from ecfit.metrics import Errors, measure, prediction_range
 from ecfit.tables import Table
@@ -41,6 +41,11 @@ _BARRIER_TERMS = 21
 _SEARCH = {"rtol": 1e-4, "max_steps": 300}
 _BARRIER = {"rtol": 1e-3, "max_steps": 300}
 _FINAL_RTOL = 1e-6
+# Steps of the last descent at most, times coefficients: fits of few coefficients may wander along a valley
+# for 1000 steps, which would take minutes for many coefficients.
+_FINAL_STEPS = 40_000
+# Rounds of guarding the place of a pole that was found between the guards.
+_WATCHES = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +179,7 @@ def _range(ends: Any) -> tuple[float, float]:
 class Fitter:
     """Fits forms to one table, and remembers the solutions: each is a start for the next larger form."""
 
-    def __init__(self, table: Table, max_steps: int = 300) -> None:
+    def __init__(self, table: Table, max_steps: int | None = None) -> None:
         if not isinstance(table, Table):
             raise EcfitError(f"fit expects a Table, got {type(table).__name__}")
         self.table = table
@@ -213,14 +218,21 @@ class Fitter:
 
         For forms with a denominator; `fit` judges the solution on the whole table.
         """
-        _, solution, tried = self._search(form)
+        found, solution, tried = self._search(form)
         whole = Problem.of_table(self.table, form.terms(len(self.table.axes)))
-        fine = whole.thinned(_POLISH_NODES.get(whole.terms.variables, 12))
-        final = solve(fine, (solution.p, solution.q), rtol=_FINAL_RTOL, max_steps=self.max_steps)
-        steps = solution.steps + final.steps
-        # Last steps that end at a pole are not worth their smaller error.
-        if not _has_pole(fine, final) or _has_pole(fine, solution):
-            solution = final
+        fine = replace(whole.thinned(_POLISH_NODES.get(whole.terms.variables, 12)), watched=found.watched)
+        guarded = not form.may_have_poles
+        steps = solution.steps
+        most = self.max_steps or max(300, _FINAL_STEPS // whole.terms.count)
+        for _ in range(_WATCHES):
+            start = solution.p, solution.q
+            final = solve(fine, start, rtol=_FINAL_RTOL, max_steps=most, guarded=guarded)
+            steps += final.steps
+            place = _pole(fine, final) if guarded else None
+            if place is None:
+                return fine, final, steps, tried
+            # The descent found a pole between the guards: watch the place and descend again.
+            fine = fine.watching(place)
         return fine, solution, steps, tried
 
     def _search(self, form: Form) -> tuple[Problem, Solution, int]:
@@ -230,7 +242,19 @@ class Fitter:
             problem = Problem.of_table(self.table, form.terms(len(self.table.axes)))
             problem = problem.thinned(_SEARCH_NODES.get(problem.terms.variables, 10))
             found = self._linear(problem) if form.linear else self._descend(problem, form)
-            best = min(found, key=lambda s: (_has_pole(problem, s), s.sum_of_squares))
+            guarded = not form.may_have_poles
+
+            def rank(entry: Solution) -> tuple[bool, float]:
+                return guarded and _pole(problem, entry) is not None, entry.sum_of_squares
+
+            best = min(found, key=rank)
+            for _ in range(_WATCHES):
+                place = _pole(problem, best) if guarded else None
+                if place is None:
+                    break
+                # Every start led to a pole between the guards: watch the place, from the safest start.
+                problem = problem.watching(place)
+                best = self._around_poles(problem, polynomial_start(problem))
             self._solved[key] = problem, best, len(found)
         return self._solved[key]
 
@@ -239,16 +263,19 @@ class Fitter:
 
     def _descend(self, problem: Problem, form: Form) -> list[Solution]:
         """Levenberg-Marquardt from every start that there is."""
-        starts = [*sanathanan_koerner(problem), polynomial_start(problem)]
+        guarded = not form.may_have_poles
+        starts = [*sanathanan_koerner(problem, guarded), polynomial_start(problem)]
+        if not guarded:
+            starts.append(ones_start(problem))
         coarser = form.coarser()
         found = []
         if coarser is not None:
             coarse, solution, _ = self._search(coarser)
             start = embedded(problem, coarse, (solution.p, solution.q))
             starts.append(start)
-            if len(problem.terms.denominator) >= _BARRIER_TERMS:
+            if guarded and len(problem.terms.denominator) >= _BARRIER_TERMS:
                 found.append(self._around_poles(problem, start))
-        return found + [solve(problem, start, **_SEARCH) for start in starts]
+        return found + [solve(problem, start, guarded=guarded, **_SEARCH) for start in starts]
 
     def _around_poles(self, problem: Problem, start: tuple[np.ndarray, np.ndarray]) -> Solution:
         rms = mean_square(problem, *start) ** 0.5
@@ -280,23 +307,24 @@ class Fitter:
         return approximation, approximation.smallest_denominator()
 
 
-def _has_pole(problem: Problem, solution: Solution) -> bool:
-    """Whether the denominator may vanish on the domain."""
+def _pole(problem: Problem, solution: Solution) -> tuple[float, ...] | None:
+    """Where the denominator is least, if it may vanish on the domain."""
     coefficients = problem.plain_coefficients(solution.p, solution.q)
-    return not (
-        np.all(np.isfinite(coefficients))
-        and smallest_denominator(problem.terms, coefficients, problem.domain).bound > 0.0
-    )
+    if not np.all(np.isfinite(coefficients)):
+        return tuple(low for low, _ in problem.domain)
+    found = smallest_denominator(problem.terms, coefficients, problem.domain)
+    return None if found.bound > 0.0 else found.place
 
 
-def fit(table: Table, form: Form, *, name: str | None = None, max_steps: int = 300) -> Fit:
+def fit(table: Table, form: Form, *, name: str | None = None, max_steps: int | None = None) -> Fit:
     """Fit a form to all entries of a table, in the least-squares sense.
 
     Args:
         table: what to approximate; clamped axes are seen at their nominal coordinates.
         form: `ecfit.Polynomial(degree)`, `ecfit.Rational(degree)`, ...
         name: for reports; made of form and degree by default.
-        max_steps: bound on the last Levenberg-Marquardt descent, from the best start.
+        max_steps: bound on the last Levenberg-Marquardt descent, from the best start; by default 300 to 1000,
+            fewer for more coefficients.
 
     Returns a `Fit`, whose `status` says whether the solver converged and whether the denominator stays
     positive on the domain: look at it. Raises `EcfitError` where the table has too few entries, or entries

@@ -7,7 +7,7 @@ monomials of the stated coordinates.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -29,6 +29,15 @@ def _to_monomials(highest: int, low: float, high: float) -> np.ndarray:
     for k in range(highest + 1):
         plain = np.polynomial.chebyshev.cheb2poly(np.eye(highest + 1)[k])
         row = np.polynomial.Polynomial(plain)(scaled).coef
+        matrix[k, : len(row)] = row
+    return matrix
+
+
+def from_unit_monomials(highest: int) -> np.ndarray:
+    """Row k: Chebyshev coefficients of t^k, t in [0, 1] being the variable mapped from its range."""
+    matrix = np.zeros((highest + 1, highest + 1))
+    for k in range(highest + 1):
+        row = np.polynomial.chebyshev.poly2cheb((np.polynomial.Polynomial([0.5, 0.5]) ** k).coef)
         matrix[k, : len(row)] = row
     return matrix
 
@@ -69,6 +78,8 @@ class Problem:
         index: per variable, the node of each row, int32, shape (rows,).
         values: target of each row, shape (rows,).
         weights: weight of each row in the sum of squares, shape (rows,).
+        full: whether the rows are all nodes of the grid in order, with equal weights.
+        watched: places, one row each in the variables, where the denominator is guarded too.
     """
 
     terms: Terms
@@ -77,6 +88,8 @@ class Problem:
     index: tuple[np.ndarray, ...]
     values: np.ndarray
     weights: np.ndarray
+    full: bool = False
+    watched: tuple[tuple[float, ...], ...] = ()
 
     @classmethod
     def of_table(cls, table: Table, terms: Terms) -> "Problem":
@@ -87,11 +100,21 @@ class Problem:
         )
         flat = np.flatnonzero(table.usable.ravel())
         index = tuple(i.astype(np.int32) for i in np.unravel_index(flat, table.grid.shape))
-        return cls(terms, domain, powers, index, table.values.ravel()[flat], np.ones(flat.size))
+        values = table.values.ravel()[flat]
+        return cls(terms, domain, powers, index, values, np.ones(flat.size), flat.size == table.values.size)
 
     @property
     def rows(self) -> int:
         return self.values.size
+
+    def on_grid(self, coefficients: np.ndarray, exponents: np.ndarray) -> np.ndarray:
+        """A combination of basis products on the whole grid of a `full` problem, the grid's shape."""
+        dense = np.zeros([p.shape[1] for p in self.powers])
+        dense[tuple(exponents.T)] = coefficients
+        for powers in self.powers:
+            # The first dimension is contracted and comes back as the last.
+            dense = np.tensordot(dense, powers, axes=(0, 1))
+        return dense
 
     def thinned(self, nodes: int) -> "Problem":
         """At most about `nodes` nodes an axis, weighted to stand for all of them (see `thin`)."""
@@ -110,11 +133,16 @@ class Problem:
             tuple(c[keep] for c in self.index),
             self.values[keep],
             weight[keep],
+            watched=self.watched,
         )
+
+    def watching(self, place: tuple[float, ...]) -> "Problem":
+        """The same problem with one more place where the denominator is guarded."""
+        return replace(self, watched=(*self.watched, place))
 
     @cached_property
     def columns(self) -> tuple[np.ndarray, np.ndarray]:
-        """Basis values of numerator and denominator (with its constant first): for small problems."""
+        """Basis values of numerator and denominator (with its constant first)."""
         powers = [p[i] for p, i in zip(self.powers, self.index, strict=True)]
         numerator = monomials(self.terms.numerator, powers)  # type: ignore[arg-type]
         denominator = np.ones((self.rows, 1))
@@ -125,13 +153,19 @@ class Problem:
 
     @cached_property
     def guards(self) -> np.ndarray:
-        """Denominator basis on a grid of its own (ends included), where a fit must not change sign."""
+        """Denominator basis on a grid of its own, ends included, and at the watched places."""
         variables = self.terms.variables
         count = 41 if variables <= 2 else 15
         axis = -np.cos(np.pi * np.arange(count) / (count - 1))
         powers = np.polynomial.chebyshev.chebvander(axis, self.terms.highest)
         mesh = np.meshgrid(*[np.arange(count)] * variables, indexing="ij")
         rows = [powers[m.ravel()] for m in mesh]
+        if self.watched:
+            places = np.array(self.watched).T
+            extra = [
+                chebyshev_powers(x, *d, self.terms.highest) for x, d in zip(places, self.domain, strict=True)
+            ]
+            rows = [np.concatenate(pair) for pair in zip(rows, extra, strict=True)]
         ones = np.ones((rows[0].shape[0], 1))
         if not len(self.terms.denominator):
             return ones
@@ -144,22 +178,12 @@ class Problem:
         `denominator` includes the constant. Not finite where Q vanishes at the origin of the coordinates.
         """
         tables = [_to_monomials(self.terms.highest, *d) for d in self.domain]
-
-        def convert(coefficients: np.ndarray, exponents: np.ndarray) -> np.ndarray:
-            matrix = np.ones((len(exponents), len(exponents)))
-            for v, table in enumerate(tables):
-                matrix *= table[exponents[:, v][:, None], exponents[:, v][None, :]]
-            return coefficients @ matrix
-
-        constant = np.zeros((1, self.terms.variables), dtype=np.int64)
-        p = convert(numerator, self.terms.numerator)
-        q = convert(denominator, np.concatenate([constant, self.terms.denominator]))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.concatenate([p, q[1:]]) / q[0]
+        return self.terms.converted(numerator, denominator, tables)
 
 
 def blocks(arrays: Sequence[np.ndarray], rows: int) -> list[np.ndarray]:
-    """Arrays reshaped to (blocks, rows), the last block padded with zeros (zero weight: no effect)."""
+    """Arrays reshaped to (blocks, rows, ...), the last block padded with zeros (zero weight: no effect)."""
     count = arrays[0].shape[0]
-    padded = -(-count // rows) * rows
-    return [np.pad(a, (0, padded - count)).reshape(-1, rows) for a in arrays]
+    padding = -(-count // rows) * rows - count
+    padded = [np.pad(a, [(0, padding)] + [(0, 0)] * (a.ndim - 1)) for a in arrays]
+    return [a.reshape(-1, rows, *a.shape[1:]) for a in padded]

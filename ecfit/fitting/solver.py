@@ -37,21 +37,16 @@ def _split(problem_terms: tuple[int, int], y: Array) -> tuple[Array, Array]:
     return p, jnp.concatenate([jnp.ones(1), q])
 
 
-@partial(jax.jit, static_argnames=("sizes", "exponents", "max_steps"))
-def _solve(y, scale, powers, index, f, w, guards, barrier, rtol, *, sizes, exponents, max_steps):
-    """Levenberg-Marquardt without ever holding all rows' Jacobian.
+@partial(jax.jit, static_argnames=("sizes", "max_steps", "guarded"))
+def _solve(y, scale, columns_p, columns_q, f, w, guards, barrier, rtol, *, sizes, max_steps, guarded):
+    """Levenberg-Marquardt without ever holding all rows' Jacobian; arrays come in blocks of rows.
 
     It sees the residual r and Jacobian J only through r'r, J'r and J'J. Those are summed over blocks of
     rows, and their symmetric square root S (S'S = [J r]'[J r]) is handed to it as a small problem:
     residual S[:, -1], Jacobian S[:, :-1].
     """
-    terms = [np.array(e, dtype=np.int64).reshape(-1, len(powers)) for e in exponents]
-
     def rows(y, row):
-        index, f, w = row
-        values = [p[i] for p, i in zip(powers, index, strict=True)]
-        columns_p = monomials(terms[0], values)
-        columns_q = jnp.concatenate([jnp.ones((f.shape[0], 1)), monomials(terms[1], values)], axis=1)
+        columns_p, columns_q, f, w = row
         p, q = _split(sizes, y)
         denominator = columns_q @ q
         prediction = columns_p @ p / denominator
@@ -80,10 +75,10 @@ def _solve(y, scale, powers, index, f, w, guards, barrier, rtol, *, sizes, expon
 
         columns, denominator = barrier_rows(y)
         start = columns.T @ columns, jnp.min(denominator)
-        (gram, least), _ = jax.lax.scan(add, start, (index, f, w))
+        (gram, least), _ = jax.lax.scan(add, start, (columns_p, columns_q, f, w))
         values, vectors = jnp.linalg.eigh(gram)
         s = jnp.sqrt(jnp.maximum(values, 0.0))[:, None] * vectors.T
-        return jnp.where(least > _LEAST_Q, s[:, -1], _REFUSED), s[:, :-1]
+        return jnp.where((least > _LEAST_Q) | (not guarded), s[:, -1], _REFUSED), s[:, :-1]
 
     @jax.custom_jvp
     def residual(z):
@@ -109,28 +104,33 @@ def solve(
     barrier: float = 0.0,
     rtol: float,
     max_steps: int,
+    guarded: bool = True,
 ) -> Solution:
-    """Minimise the weighted mean square residual from a start (p, q), plus barrier^2 x mean of 1 / Q^2."""
+    """Minimise the weighted mean square residual from a start (p, q), plus barrier^2 x mean of 1 / Q^2.
+
+    Steps into Q <= 0, on rows and guards, are refused; not so if `guarded` is false.
+    """
     p, q = start
     sizes = (len(p), len(q) - 1)
     root_w = np.sqrt(problem.weights / problem.weights.sum())
-    *index, f, w = blocks([*problem.index, problem.values, root_w], min(_BLOCK_ROWS, problem.rows))
+    arrays = [*problem.columns, problem.values, root_w]
+    columns_p, columns_q, f, w = blocks(arrays, min(_BLOCK_ROWS, problem.rows))
+    # Padding has no weight; its denominator must not vanish.
+    columns_q[-1, problem.rows - (len(columns_q) - 1) * columns_q.shape[1] :, 0] = 1.0
     scale = _column_scale(problem, p, q)
-    terms = problem.terms
     z, converged, steps = _solve(
         np.concatenate([p, q[1:]]),
         scale,
-        problem.powers,
-        tuple(index),
+        columns_p,
+        columns_q,
         f,
         w,
         problem.guards,
         barrier / np.sqrt(len(problem.guards)),
         rtol,
         sizes=sizes,
-        # As tuples: static, so that the products are fixed at compilation.
-        exponents=tuple(tuple(map(tuple, e.tolist())) for e in (terms.numerator, terms.denominator)),
         max_steps=max_steps,
+        guarded=guarded,
     )
     y = np.asarray(z) * scale
     p, q = y[: sizes[0]], np.concatenate([[1.0], y[sizes[0] :]])
@@ -161,6 +161,10 @@ def _column_scale(problem: Problem, p: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 def mean_square(problem: Problem, p: np.ndarray, q: np.ndarray) -> float:
     """Weighted mean square residual."""
+    if problem.full:
+        numerator = problem.on_grid(p, problem.terms.numerator)
+        denominator = q[0] + problem.on_grid(q[1:], problem.terms.denominator)
+        return float(np.mean(np.square((numerator / denominator).ravel() - problem.values)))
     total = 0.0
     for start in range(0, problem.rows, _BLOCK_ROWS):
         part = slice(start, start + _BLOCK_ROWS)

@@ -6,18 +6,19 @@ and the denominator is the smallest singular vector of what is left.
 
 import numpy as np
 
-from ecfit.fitting.problem import Problem
+from ecfit.fitting.problem import Problem, from_unit_monomials
+from ecfit.forms.terms import change_basis
 
 _ITERATIONS = 25
 # Where the last denominator nearly vanishes its rows would dominate the next solve: floor its weight.
 _FLOOR = 1e-2
 
 
-def _rms(problem: Problem, p: np.ndarray, q: np.ndarray) -> float:
-    """Weighted RMS residual, infinite where Q changes sign on the rows or guards."""
+def _rms(problem: Problem, p: np.ndarray, q: np.ndarray, guarded: bool) -> float:
+    """Weighted RMS residual; if `guarded`, infinite where Q changes sign on the rows or guards."""
     columns_p, columns_q = problem.columns
     denominator = columns_q @ q
-    if denominator.min() <= 0.0 or (problem.guards @ q).min() <= 0.0:
+    if guarded and (denominator.min() <= 0.0 or (problem.guards @ q).min() <= 0.0):
         return np.inf
     residual = columns_p @ p / denominator - problem.values
     return float(np.sqrt(np.average(residual**2, weights=problem.weights)))
@@ -32,8 +33,11 @@ def numerator_for(problem: Problem, q: np.ndarray) -> np.ndarray:
     ]
 
 
-def sanathanan_koerner(problem: Problem) -> list[tuple[np.ndarray, np.ndarray]]:
-    """The best iterate (p, q) with Q > 0, as a list of one; empty where none has Q > 0."""
+def sanathanan_koerner(problem: Problem, guarded: bool = True) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The best iterate (p, q) with Q > 0, as a list of one; empty where none has Q > 0.
+
+    If `guarded` is false, Q may have any sign.
+    """
     columns_p, columns_q = problem.columns
     root = np.sqrt(problem.weights)
     weight = root.copy()
@@ -54,7 +58,7 @@ def sanathanan_koerner(problem: Problem) -> list[tuple[np.ndarray, np.ndarray]]:
             break
         scale = q[0] if abs(q[0]) > 1e-12 * np.abs(q).max() else np.abs(q).max()
         p, q = p / scale, q / scale
-        found.append((_rms(problem, p, q), p, q))
+        found.append((_rms(problem, p, q, guarded), p, q))
         denominator = np.abs(columns_q @ q)
         new = root / np.maximum(denominator, _FLOOR * denominator.max())
         settled = np.linalg.norm(new - weight) <= 1e-4 * np.linalg.norm(weight)
@@ -89,3 +93,12 @@ def polynomial_start(problem: Problem) -> tuple[np.ndarray, np.ndarray]:
     q = np.zeros(1 + len(problem.terms.denominator))
     q[0] = 1.0
     return numerator_for(problem, q), q
+
+
+def ones_start(problem: Problem) -> tuple[np.ndarray, np.ndarray]:
+    """The start with all coefficients of plain monomials of [0, 1] equal to 1 (Sforza & Pellacini 2022)."""
+    tables = [from_unit_monomials(problem.terms.highest)] * problem.terms.variables
+    constant = np.zeros((1, problem.terms.variables), dtype=np.int64)
+    exponents = problem.terms.numerator, np.concatenate([constant, problem.terms.denominator])
+    p, q = (change_basis(np.ones(len(e)), e, tables) for e in exponents)
+    return p / q[0], q / q[0]

@@ -42,6 +42,11 @@ class Form(eqx.Module):
         """Whether the coefficients enter linearly (no denominator)."""
         return False
 
+    @property
+    def may_have_poles(self) -> bool:
+        """Whether a fit may let the denominator change its sign."""
+        return False
+
     def coarser(self) -> "Form | None":
         """The next smaller form whose terms are among this one's: its optimum is a start for this one."""
         return None
@@ -76,15 +81,25 @@ class Rational(Form):
     """P / Q with all monomials of a total degree each, Q with constant 1.
 
     `Rational(degree=3)` has equal degrees; `Rational(numerator=4, denominator=2)` sets them apart
-    (0..20 each, not both 0). Raises `EcfitError` otherwise.
+    (0..20 each, not both 0). With `guarded=False` the fit is the least-squares optimum even where Q changes
+    its sign in the domain: a reproduction of what others published, not for use. Raises `EcfitError`
+    otherwise.
     """
 
     numerator: int
     denominator: int
+    guarded: bool
 
     def __init__(
-        self, degree: int | None = None, *, numerator: int | None = None, denominator: int | None = None
+        self,
+        degree: int | None = None,
+        *,
+        numerator: int | None = None,
+        denominator: int | None = None,
+        guarded: bool = True,
     ) -> None:
+        if not isinstance(guarded, bool):
+            raise EcfitError(f"guarded must be true or false, got {guarded!r}")
         if degree is not None:
             if numerator is not None or denominator is not None:
                 raise EcfitError("Rational takes either degree, or numerator and denominator")
@@ -97,10 +112,11 @@ class Rational(Form):
         if numerator == denominator == 0:
             raise EcfitError("Rational of degree 0/0 is a constant: use a degree of 1 or more")
         self.numerator, self.denominator = int(numerator), int(denominator)
+        self.guarded = guarded
 
     @property
     def name(self) -> str:
-        return "rational"
+        return "rational" if self.guarded else "rational-unguarded"
 
     @property
     def degree(self) -> str:
@@ -115,11 +131,15 @@ class Rational(Form):
     def linear(self) -> bool:
         return self.denominator == 0
 
+    @property
+    def may_have_poles(self) -> bool:
+        return not self.guarded
+
     def coarser(self) -> Form | None:
         numerator, denominator = max(self.numerator - 1, 0), max(self.denominator - 1, 0)
         if numerator == denominator == 0:
             return None
-        return Rational(numerator=numerator, denominator=denominator)
+        return Rational(numerator=numerator, denominator=denominator, guarded=self.guarded)
 
 
 _FORMS: dict[str, type[Form]] = {"polynomial": Polynomial, "rational": Rational}

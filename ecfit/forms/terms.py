@@ -66,6 +66,18 @@ def _powers(xp: Any, x: Array, count: int) -> Array:
     return xp.stack(columns, axis=-1)
 
 
+def change_basis(coefficients: np.ndarray, exponents: np.ndarray, tables: Sequence[np.ndarray]) -> np.ndarray:
+    """Coefficients of monomials from those of products of other one-variable functions.
+
+    `tables[v]` holds in row k the k-th function of variable v as coefficients of 1, x, x^2, ... The set of
+    exponents must be closed downwards, so that it holds all monomials that appear.
+    """
+    matrix = np.ones((len(exponents), len(exponents)))
+    for v, table in enumerate(tables):
+        matrix *= table[exponents[:, v][:, None], exponents[:, v][None, :]]
+    return coefficients @ matrix
+
+
 @dataclass(frozen=True, eq=False)
 class Terms:
     """Exponents of the numerator and of the denominator; the denominator's constant 1 is implied.
@@ -128,3 +140,33 @@ class Terms:
         if not len(self.denominator):
             return numerator, xp.ones_like(numerator)
         return numerator, 1.0 + polynomial(b, self.denominator, arrays)
+
+    def converted(self, p: np.ndarray, q: np.ndarray, tables: Sequence[np.ndarray]) -> np.ndarray:
+        """Coefficients with the denominator's constant 1 from p and q (q with its constant) in another basis.
+
+        See `change_basis`. Not finite where Q vanishes at the origin of the new coordinates.
+        """
+        constant = np.zeros((1, self.variables), dtype=np.int64)
+        new_p = change_basis(p, self.numerator, tables)
+        new_q = change_basis(q, np.concatenate([constant, self.denominator]), tables)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.concatenate([new_p, new_q[1:]]) / new_q[0]
+
+    def on_grid(self, coefficients: np.ndarray, nodes: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """P and Q on the tensor product of nodes (one array a variable), far cheaper than point by point."""
+        p, q = self.split(np.asarray(coefficients))
+        shape = tuple(len(n) for n in nodes)
+        numerator = np.broadcast_to(_dense_on_grid(p, self.numerator, nodes), shape)
+        if not len(self.denominator):
+            return numerator, np.ones(shape)
+        return numerator, 1.0 + _dense_on_grid(q, self.denominator, nodes)
+
+
+def _dense_on_grid(coefficients: np.ndarray, exponents: np.ndarray, nodes: Sequence[np.ndarray]) -> np.ndarray:
+    sizes = exponents.max(axis=0) + 1
+    value = np.zeros(sizes)
+    value[tuple(exponents.T)] = coefficients
+    for size, x in zip(sizes, nodes, strict=True):
+        # The first dimension is contracted and comes back as the last: after all, the order is the old one.
+        value = np.tensordot(value, np.vander(x, int(size), increasing=True), axes=(0, 1))
+    return value

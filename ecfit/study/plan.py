@@ -18,7 +18,7 @@ from ecfit.tables import Request
 from ecfit.tables.tabulate import default_range
 
 # Raise this when a change moves the coefficients of fits: it is part of every fit's key.
-FITTING_VERSION = 1
+FITTING_VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -52,9 +52,17 @@ def _axis(name: str, axis: AxisConfig, bsdf: BSDF, quantity_: Quantity) -> Axis:
 def _request(table: TableConfig) -> Request:
     try:
         bsdf = model(table.model, **table.options)
-        quantity_ = quantity(table.quantity, table.lobe, table.transport)
+        quantity_ = quantity(table.quantity, table.lobe, table.transport, **table.quantity_options)
         axes = {name: _axis(name, axis, bsdf, quantity_) for name, axis in table.axes.items()}
-        return Request.make(bsdf, axes, table.quantity, table.lobe, table.transport, table.tolerance)
+        return Request.make(
+            bsdf,
+            axes,
+            table.quantity,
+            table.lobe,
+            table.transport,
+            table.tolerance,
+            table.quantity_options,
+        )
     except EcfitError as error:
         raise EcfitError(f"table '{table.name}': {error}") from None
 

@@ -5,9 +5,11 @@ import io
 import os
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 from ecfit.approximation import Approximation
@@ -187,25 +189,43 @@ def _stored_fit(planned: PlannedFit, folder: Path) -> Fit | None:
 def _fits(
     plan: Plan, folder: Path, tables: dict[str, Table], seconds: dict[str, float], tell: Progress
 ) -> dict[str, list[Fit]]:
-    fits: dict[str, list[Fit]] = {name: [] for name in plan.requests}
-    fitters: dict[str, Fitter] = {}
+    """All fits by table, in the order of the file; tables are fitted side by side."""
+    planned = {name: [f for f in plan.fits if f.table == name] for name in plan.requests}
+    lock = Lock()
     with tell.stage("fits", len(plan.fits)) as advance:
-        for planned in plan.fits:
-            fit = _stored_fit(planned, folder)
-            if fit is None:
-                started = time.perf_counter()
-                fitter = fitters.setdefault(planned.table, Fitter(tables[planned.table]))
-                try:
-                    fit = fitter.fit(planned.form)
-                except EcfitError as error:
-                    raise EcfitError(f"fit '{planned.label}': {error}") from None
-                provenance = {**versions(), "table": plan.requests[planned.table].key}
-                data = {"key": planned.key, **fit.to_dict(), "provenance": provenance}
-                write_json(_fit_path(planned, folder), data)
-                seconds[f"fit {planned.label}"] = time.perf_counter() - started
-            fits[planned.table].append(fit)
-            advance(1)
-    return fits
+
+        def finished(what: str, elapsed: float | None) -> None:
+            with lock:
+                if elapsed is not None:
+                    seconds[what] = elapsed
+                advance(1)
+
+        def one_table(name: str) -> list[Fit]:
+            fitter = Fitter(tables[name])
+            out = []
+            for item in planned[name]:
+                fit = _stored_fit(item, folder)
+                started, computed = time.perf_counter(), fit is None
+                if fit is None:
+                    fit = _fit(fitter, item, folder)
+                out.append(fit)
+                finished(f"fit {item.label}", time.perf_counter() - started if computed else None)
+            return out
+
+        # Threads: the solver runs outside Python's lock, and compiled functions are shared.
+        with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
+            return dict(zip(planned, pool.map(one_table, planned), strict=True))
+
+
+def _fit(fitter: Fitter, planned: PlannedFit, folder: Path) -> Fit:
+    """Compute one fit and write its file."""
+    try:
+        fit = fitter.fit(planned.form)
+    except EcfitError as error:
+        raise EcfitError(f"fit '{planned.label}': {error}") from None
+    provenance = {**versions(), "table": str(fitter.table.provenance.get("key", ""))}
+    write_json(_fit_path(planned, folder), {"key": planned.key, **fit.to_dict(), "provenance": provenance})
+    return fit
 
 
 def write_results(study: Study) -> None:
