@@ -56,7 +56,9 @@ class Approximation:
         if any(not low < high for low, high in self.domain):
             raise EcfitError(f"'{self.name}': the domain must have low < high in each variable")
         scales = self.scales or ((0.0, 1.0),) * self.terms.variables
-        if len(scales) != self.terms.variables or not all(np.isfinite(s).all() and s[1] > 0.0 for s in scales):
+        if len(scales) != self.terms.variables or not all(
+            np.isfinite(s).all() and s[1] > 0.0 for s in scales
+        ):
             raise EcfitError(f"'{self.name}': scales must be one (origin, unit > 0) for each variable")
         object.__setattr__(self, "scales", tuple((float(o), float(u)) for o, u in scales))
         coefficients.setflags(write=False)

@@ -100,9 +100,15 @@ def furnace_of(
     if isinstance(model, Glossy):
         if method != "turquin":
             raise EcfitError("a glossy layer is compensated by scaling: method must be 'turquin'")
-        settings = {"ndf": model.ndf, "masking": model.masking, "fresnel": model.fresnel}
         whole: BSDF = Glossy(
-            alpha=model.alpha, ior=model.ior, F90=model.F90, base="diffuse", layer=albedo, **settings
+            alpha=model.alpha,
+            ior=model.ior,
+            F90=model.F90,
+            ndf=model.ndf,
+            masking=model.masking,
+            fresnel=model.fresnel,
+            base="diffuse",
+            layer=albedo,
         )
     else:
         whole = model if isinstance(model, Compensated) else compensate(model, albedo, method)

@@ -45,6 +45,7 @@ def _solve(y, scale, columns_p, columns_q, f, w, guards, barrier, rtol, *, sizes
     rows, and their symmetric square root S (S'S = [J r]'[J r]) is handed to it as a small problem:
     residual S[:, -1], Jacobian S[:, :-1].
     """
+
     def rows(y, row):
         columns_p, columns_q, f, w = row
         p, q = _split(sizes, y)

@@ -162,7 +162,9 @@ class Terms:
         return numerator, 1.0 + _dense_on_grid(q, self.denominator, nodes)
 
 
-def _dense_on_grid(coefficients: np.ndarray, exponents: np.ndarray, nodes: Sequence[np.ndarray]) -> np.ndarray:
+def _dense_on_grid(
+    coefficients: np.ndarray, exponents: np.ndarray, nodes: Sequence[np.ndarray]
+) -> np.ndarray:
     sizes = exponents.max(axis=0) + 1
     value = np.zeros(sizes)
     value[tuple(exponents.T)] = coefficients

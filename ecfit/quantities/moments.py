@@ -55,7 +55,11 @@ class SchlickB(Moment):
     exponent: int = eqx.field(static=True, default=5)
 
     def __check_init__(self) -> None:
-        if not isinstance(self.exponent, int) or isinstance(self.exponent, bool) or not 1 <= self.exponent <= 50:
+        if (
+            not isinstance(self.exponent, int)
+            or isinstance(self.exponent, bool)
+            or not 1 <= self.exponent <= 50
+        ):
             raise EcfitError(f"exponent must be an integer in 1..50, got {self.exponent!r}")
 
     def options(self) -> dict[str, int]:

@@ -26,6 +26,12 @@ def _mark(fit: Fit) -> str:
 def degree_vs_error(name: str, fits: Sequence[Fit], published: Published = ()) -> Figure:
     """Sforza & Pellacini 2022, figure 3: coefficients and MAE by degree, and MAE against coefficients."""
     families = list(dict.fromkeys(f.approximation.form for f in fits))
+    # A family of one fit beside others is a point, not a column.
+    points = [n for n in families if len(families) > 1 and sum(f.approximation.form == n for f in fits) == 1]
+    families = [n for n in families if n not in points] or families
+    points = [n for n in points if n not in families]
+    single = [f for f in fits if f.approximation.form in points]
+    fits = [f for f in fits if f.approximation.form in families]
     degrees = list(dict.fromkeys(f.approximation.degree for f in fits))
     degrees.sort(key=lambda d: [int(part) for part in d.split("/")])
     by_key = {(f.approximation.form, f.approximation.degree): f for f in fits}
@@ -52,15 +58,20 @@ def degree_vs_error(name: str, fits: Sequence[Fit], published: Published = ()) -
                 cell.set_height(cell.get_height() * 1.7)
                 cell.set_text_props(weight="bold")
         for family in families:
-            points = sorted((f.terms.count, f.mae, f.ok) for f in fits if f.approximation.form == family)
-            x, y, ok = (np.array(column) for column in zip(*points, strict=True))
-            colour, marker = COLOURS.get(family, "#009E73"), MARKERS.get(family, "D")
+            rows = sorted((f.terms.count, f.mae, f.ok) for f in fits if f.approximation.form == family)
+            x, y, ok = (np.array(column) for column in zip(*rows, strict=True))
+            colour, marker = COLOURS.get(family, COLOURS["other"]), MARKERS.get(family, "D")
             right.plot(x, y, marker=marker, color=colour, label=family, markersize=4, linewidth=1.2)
             if not ok.all():
                 right.plot(
                     x[~ok], y[~ok], marker, markersize=8, markerfacecolor="none", markeredgecolor=colour,
                     linestyle="none", label=f"{family}: pole or not converged",
                 )  # fmt: skip
+        for fit in single:
+            right.plot(
+                fit.terms.count, fit.mae, "D", markersize=8, markerfacecolor="none", linestyle="none",
+                markeredgecolor=COLOURS["other"], label=f"{fit.approximation.name}{_mark(fit)}",
+            )  # fmt: skip
         for approximation, errors in published:
             right.plot(
                 approximation.terms.count, errors.mae, "*", color=COLOURS["published"], markersize=11,
@@ -70,19 +81,33 @@ def degree_vs_error(name: str, fits: Sequence[Fit], published: Published = ()) -
         right.set_title(f"{name}: mean absolute error against number of coefficients")
         right.grid(True, which="major", alpha=0.3)
         right.legend(frameon=False, fontsize=8)
-        if any(not f.ok for f in fits):
+        if any(not f.ok for f in [*fits, *single]):
             figure.text(0.01, 0.01, "* pole or not converged", fontsize=7)
     return figure
 
 
+def _planes(table: Table, count: int) -> list[tuple[tuple[int, ...], str]]:
+    """Indices of planes of the last two dimensions, spread over the first one, and where they are.
+
+    The dimensions between are cut at their middle. With `count` = 1 the first one is too.
+    """
+    leading = table.axes[:-2]
+    if not leading:
+        return [((), "")]
+    n = len(leading[0])
+    spread = [n // 2] if count == 1 else np.unique(np.round(np.linspace(0, n - 1, count)).astype(int))
+    rest = tuple(len(axis) // 2 for axis in leading[1:])
+    found = [(int(first), *rest) for first in spread]
+    return [
+        (i, ", ".join(f"{a.name} = {a.nominal[k]:.3g}" for a, k in zip(leading, i, strict=True)))
+        for i in found
+    ]
+
+
 def _plane(table: Table, values: np.ndarray) -> tuple[np.ndarray, str]:
-    """The last two dimensions of a table's array, at the middle of the others, and where that is."""
-    where = []
-    for axis in table.axes[:-2]:
-        middle = len(axis) // 2
-        values = values[middle]
-        where.append(f"{axis.name} = {axis.nominal[middle]:.3g}")
-    return values, ", ".join(where)
+    """The middle plane of a table's array, and where that is."""
+    ((index, where),) = _planes(table, 1)
+    return values[index], where
 
 
 def _thin(values: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
@@ -94,13 +119,17 @@ def _thin(values: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
 
 
 def _image(axes: Axes, table: Table, values: np.ndarray, cmap: str, low: float, high: float):
-    """An image over the last two axes, in the coordinates that a fit sees."""
+    """An image of the middle plane over the last two axes, in the coordinates that a fit sees."""
     plane, where = _plane(table, values)
+    return _plane_image(axes, table, plane, cmap, low, high), where
+
+
+def _plane_image(axes: Axes, table: Table, plane: np.ndarray, cmap: str, low: float, high: float):
     thin, picks = _thin(plane)
     y, x = (a.nominal[p] for a, p in zip(table.axes[-2:], picks, strict=True))
     mesh = axes.pcolormesh(x, y, thin, cmap=cmap, vmin=low, vmax=high, shading="nearest", rasterized=True)
     axes.set(xlabel=table.axes[-1].name, ylabel=table.axes[-2].name)
-    return mesh, where
+    return mesh
 
 
 def _curve(axes: Axes, table: Table, values: np.ndarray, label: str, **style) -> None:
@@ -181,7 +210,7 @@ def error_along_axes(name: str, table: Table, fits: Sequence[Fit], published: Pu
     entries = [
         (
             f.approximation,
-            COLOURS.get(f.approximation.form, "#009E73"),
+            COLOURS.get(f.approximation.form, COLOURS["other"]),
             _mark(f),
             1.0 if f is last[f.approximation.form] else 0.45,
         )
@@ -218,21 +247,37 @@ def error_along_axes(name: str, table: Table, fits: Sequence[Fit], published: Pu
 
 
 def table_and_estimate(name: str, table: Table) -> Figure:
-    """The table and the error estimate of its entries."""
+    """The table and the error estimate of its entries; of more than two dimensions several planes."""
+    estimate = np.log10(np.maximum(table.errors, 1e-16))
     with look():
-        figure = Figure(figsize=(7.2, 3.2), layout="constrained")
-        left, right = figure.subplots(1, 2)
-        estimate = np.log10(np.maximum(table.errors, 1e-16))
         if len(table.axes) == 1:
+            figure = Figure(figsize=(7.2, 3.2), layout="constrained")
+            left, right = figure.subplots(1, 2)
             _curve(left, table, table.values, name, color="black")
             _curve(right, table, estimate, "", color="black")
+            left.set_title(f"{name}: {table.contract.quantity}")
+            right.set_title("log10 of the error estimate")
+            return figure
+        planes = _planes(table, 4)
+        if len(planes) == 1:
+            figure = Figure(figsize=(7.2, 3.2), layout="constrained")
+            grid = figure.subplots(1, 2).reshape(2, 1)
         else:
-            finite = table.values[table.usable]
-            mesh, _ = _image(left, table, table.values, VALUES, float(finite.min()), float(finite.max()))
-            figure.colorbar(mesh, ax=left, shrink=0.9)
-            usable = estimate[table.usable]
-            mesh, _ = _image(right, table, estimate, "magma", float(usable.min()), float(usable.max()))
-            figure.colorbar(mesh, ax=right, shrink=0.9)
-        left.set_title(f"{name}: {table.contract.quantity}")
-        right.set_title("log10 of the error estimate")
+            figure = Figure(figsize=(9.6, 4.8), layout="constrained")
+            grid = figure.subplots(2, len(planes), sharex=True, sharey=True)
+        rows = (
+            (table.values, VALUES, table.contract.quantity),
+            (estimate, "magma", "log10 of the error estimate"),
+        )
+        for line, (values, cmap, title) in zip(grid, rows, strict=True):
+            finite = values[table.usable]
+            low, high = float(finite.min()), float(finite.max())
+            mesh = None
+            for axes, (index, where) in zip(line, planes, strict=True):
+                mesh = _plane_image(axes, table, values[index], cmap, low, high)
+                axes.set_title(where or title)
+                axes.label_outer()
+            assert mesh is not None  # there is at least one plane
+            figure.colorbar(mesh, ax=line, shrink=0.9, label=title if len(planes) > 1 else "")
+        figure.suptitle(name, fontsize=9)
     return figure

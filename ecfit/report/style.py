@@ -16,9 +16,13 @@ COLOURS = {
     "polynomial": "#0072B2",
     "rational": "#D55E00",
     "published": "#000000",
+    "other": "#009E73",
 }
 MARKERS = {"polynomial": "o", "rational": "s"}
 VALUES, SIGNED = "viridis", "RdBu_r"
+
+_SVG_IMAGE_DPI = 72
+_PNG_DPI = 150
 
 _SETTINGS: Any = {
     "font.size": 9,
@@ -27,7 +31,6 @@ _SETTINGS: Any = {
     "axes.spines.right": False,
     "svg.fonttype": "none",
     "svg.hashsalt": "ecfit",
-    "savefig.dpi": 150,
     "image.interpolation": "nearest",
     "figure.facecolor": "white",
 }
@@ -45,5 +48,7 @@ def rendered(figure: Figure, kind: str) -> bytes:
     buffer = io.BytesIO()
     metadata = {"Date": None, "Creator": None} if kind == "svg" else {"Software": None}
     with look():
-        figure.savefig(buffer, format=kind, metadata=metadata)
+        # Images within an SVG are small: they weigh more than all the rest of a report.
+        dpi = _SVG_IMAGE_DPI if kind == "svg" else _PNG_DPI
+        figure.savefig(buffer, format=kind, metadata=metadata, dpi=dpi)
     return buffer.getvalue()

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Protocol
 
 import jinja2
+import numpy as np
 from matplotlib.figure import Figure
 
 from ecfit.approximation import Approximation
@@ -15,6 +16,7 @@ from ecfit.files import write_atomically, write_text
 from ecfit.fitting import Fit
 from ecfit.metrics import Errors
 from ecfit.report import figures
+from ecfit.report.coefficients import Comparison, compare
 from ecfit.report.style import rendered
 from ecfit.tables import Table
 
@@ -55,6 +57,7 @@ class _Section:
     verdict: str
     pictures: Sequence[_Picture]
     svg: Sequence[str]
+    coefficients: Sequence[Comparison]
 
 
 def best_fit(fits: Sequence[Fit]) -> Fit | None:
@@ -121,11 +124,15 @@ def _verdict(fits: Sequence[Fit]) -> str:
         return "No fits were asked for."
     if not best.ok:
         return f"No usable fit: {best.warning()}."
-    return (
+    verdict = (
         f"Best fit: {best.approximation.name}, {best.terms.count} coefficients: MAE {best.mae:.2e}, "
-        f"RMSE {best.rmse:.2e}, largest error {best.max_error:.2e}; a white furnace normalised with it "
-        f"deviates by {100 * best.errors.furnace_mean:.2g} % on average and "
-        f"{100 * best.errors.furnace_max:.2g} % at worst."
+        f"RMSE {best.rmse:.2e}, largest error {best.max_error:.2e}"
+    )
+    if not np.isfinite(best.errors.furnace_max):
+        return verdict + "."  # the table or the fit reaches 0: no normaliser
+    return (
+        f"{verdict}; a white furnace normalised with it deviates by "
+        f"{100 * best.errors.furnace_mean:.2g} % on average and {100 * best.errors.furnace_max:.2g} % at worst."
     )
 
 
@@ -159,7 +166,8 @@ def write_report(study: StudyLike) -> None:
                 content = bytes_ if kind == "svg" else rendered(picture.figure, kind)
                 path = study.folder / "figures" / f"{picture.stem}.{kind}"
                 write_atomically(path, lambda file, content=content: file.write(content))
-        sections.append(_Section(name, table, fits, published, _verdict(fits), pictures, svg))
+        coefficients = [c for approximation, _ in published for c in compare(approximation, fits)]
+        sections.append(_Section(name, table, fits, published, _verdict(fits), pictures, svg, coefficients))
     kind = study.config.report.figures[0] if study.config.report.figures else None
     context = {"study": study, "sections": sections, "warnings": study.warnings(), "image": kind}
     for page in ("report.html", "report.md"):

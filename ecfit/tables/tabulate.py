@@ -209,8 +209,8 @@ def _evaluate(
     outer: tuple[str, ...],
     inner: str | None,
     level: int,
-    arrays: tuple[Array, ...],
-    shared: Array,
+    arrays: tuple[np.ndarray, ...],
+    shared: np.ndarray,
 ) -> Estimate:
     """Estimates of shape (rows, entries a row)."""
 
