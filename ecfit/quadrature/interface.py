@@ -32,6 +32,11 @@ from ecfit.quadrature.rules import Estimate, graded, integrate
 Array = jax.Array
 
 
+# Near the normal two kinks meet, and the errors of the pieces' derivatives, which cancel in the value, are
+# divided by s in that with respect to mu: wo is kept this far off the normal.
+_OFF_NORMAL = 1e-9
+
+
 class _View(NamedTuple):
     """wo and the critical angle: mu, s = sin(theta_o), x_c = cos(theta_c), y_c = sin(theta_c)."""
 
@@ -100,7 +105,7 @@ class Interface(Measure):
         return jax.tree.map(lambda *part: sum(part), *parts)
 
     def _view(self, mu: Array) -> _View:
-        mu, s = direction(mu)
+        mu, s = direction(mu - _OFF_NORMAL * mu**1024)
         if not self.leaving:
             return _View(mu, s, jnp.zeros_like(self.eta), jnp.ones_like(self.eta))
         eta = jnp.minimum(self.eta, 1.0)
@@ -189,8 +194,8 @@ class Interface(Measure):
         w, dw = (low + width * unit).ravel()[:, None], (width * dunit).ravel()[:, None]
         n, d, density = self.ndf.nodes(w)
         n = self.alpha * n
-        length = jnp.sqrt(d * d + n * n)
-        length = jnp.where(length > 0.0, length, 1.0)  # the end of an empty piece at alpha = 0
+        square = d * d + n * n
+        length = jnp.sqrt(jnp.where(square > 0.0, square, 1.0))  # 0: the end of an empty piece at alpha = 0
         cos_h = d / length
         centre, swing = mu * cos_h, s * n / length  # x = centre + swing cos(phi)
         level_x = threshold(mu / jnp.where(cos_h > 0.0, cos_h, 1.0))

@@ -22,7 +22,7 @@ Array = jax.Array
 
 
 class Moment(Quantity):
-    """The mean of a function of x over the lobe of a microfacet reflection, weighted as its albedo with F = 1."""
+    """The integral of a function of x = wo.h over the lobe of a microfacet reflection, in place of F."""
 
     coordinates: ClassVar[tuple[str, ...]] = ("mu",)
 

@@ -197,6 +197,7 @@ def error_maps(name: str, table: Table, fits: Sequence[Fit]) -> Figure:
                     bar.ax.set_yticklabels([f"{-bound:.0e}", "0", f"{bound:.0e}"])
                     bar.ax.tick_params(labelsize=6)
                 axes.set_title(f"{fit.approximation.name}{_mark(fit)}", fontsize=8)
+                axes.locator_params(nbins=3)
                 axes.tick_params(labelsize=6)
         at = f" at {where}" if where else ""
         figure.suptitle(f"{name}: fit - table{at} (red: the fit is too high)", fontsize=9)

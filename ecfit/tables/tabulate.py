@@ -223,7 +223,7 @@ def _evaluate(
 
     # The inner map leaves the geometry unbatched: it is computed once a row.
     row = jax.vmap(one, (0, *[None] * len(arrays)))
-    return jax.vmap(row, (None, *[0] * len(arrays)))(shared, *arrays)
+    return jax.vmap(row, (None, *[0] * len(arrays)))(jnp.asarray(shared), *map(jnp.asarray, arrays))
 
 
 def _source_hash(cls: type) -> str:
