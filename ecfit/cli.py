@@ -100,6 +100,7 @@ def table(
     transport: str = "energy",
     tolerance: float = 1e-7,
     spacing: Literal["uniform", "gauss", "chebyshev", "clamped"] = "uniform",
+    exponent: int | None = None,
 ) -> None:
     """Integrate a quantity of a model on a grid and save the table (NPZ).
 
@@ -119,23 +120,17 @@ def table(
         Absolute error to reach in every entry.
     spacing
         Of the nodes of all axes.
+    exponent
+        Of schlick-a and schlick-b; 5 by default.
     """
     import ecfit
     from ecfit.quantities import quantity as make_quantity
     from ecfit.study.plugins import load_plugins
-    from ecfit.tables.tabulate import default_range
 
     load_plugins(plugin, Path())
     bsdf = ecfit.model(model, **_settings(option))
-    made = make_quantity(quantity, lobe, transport)
-    axes: dict[str, Any] = {}
-    for text in axis:
-        name, low, high, count = _axis(text)
-        low, high = default_range(bsdf, made, name, (low, high))
-        axes[name] = ecfit.Axis.spaced(name, count, low, high, spacing)
-    total = 1
-    for one in axes.values():
-        total *= len(one)
+    settings = {} if exponent is None else {"exponent": exponent}
+    axes, total = _axes(axis, bsdf, make_quantity(quantity, lobe, transport, **settings), spacing)
     with _bars().stage("table", total) as advance:
         done = ecfit.tabulate(
             bsdf,
@@ -144,6 +139,7 @@ def table(
             lobe=lobe,
             transport=transport,
             tolerance=tolerance,
+            quantity_options=settings,
             progress=advance,
         )
     done.save(output)
@@ -158,6 +154,7 @@ def fit(
     degree: int | None = None,
     numerator: int | None = None,
     denominator: int | None = None,
+    guarded: bool = True,
     output: Path | None = None,
 ) -> None:
     """Fit a form to a table; print its errors and, with --output, save coefficients and contract (JSON).
@@ -172,6 +169,8 @@ def fit(
         Total degree.
     numerator, denominator
         Degrees of a rational, instead of degree.
+    guarded
+        Whether the denominator must keep its sign; without, the least-squares optimum may have a pole.
     output
         File to write.
     """
@@ -179,8 +178,10 @@ def fit(
     from ecfit.forms import form as make_form
 
     given = {"degree": degree, "numerator": numerator, "denominator": denominator}
-    settings = {key: value for key, value in given.items() if value is not None}
-    if not settings:
+    settings: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
+    if not guarded:
+        settings["guarded"] = False
+    if not any(value is not None for value in given.values()):
         raise EcfitError("fit needs --degree, or --numerator and --denominator")
     done = ecfit.fit(ecfit.Table.load(table), make_form(form, **settings))
     if not done.ok:
@@ -192,6 +193,53 @@ def fit(
     print(f"{done.prediction[1]:.6g}], {done.iterations} steps, {done.starts} starts")
     if output is not None:
         done.save(output)
+        print(f"written: {output}")
+
+
+@app.command
+def furnace(
+    model: str,
+    *,
+    axis: Axes,
+    albedo: str | None = None,
+    method: Literal["turquin", "kulla-conty"] = "turquin",
+    option: Options = (),
+    plugin: Plugins = (),
+    transport: str = "energy",
+    tolerance: float = 1e-6,
+    output: Path | None = None,
+) -> None:
+    """Integrate a compensated model over all light: the numerical white furnace, which should give 1.
+
+    Parameters
+    ----------
+    model
+        A registered model: a white conductor, a dielectric, glossy (over a white diffuse base), your own.
+    albedo
+        What compensates: a published fit or the JSON file of a fit; the exact integral by default.
+    method
+        turquin scales the model; kulla-conty adds a diffuse lobe.
+    transport
+        energy, or radiance for the albedos of such tables.
+    tolerance
+        Absolute error of each integral.
+    output
+        File for the table of integrals (NPZ).
+    """
+    import ecfit
+    from ecfit.approximation import find
+    from ecfit.compensation import furnace_of
+    from ecfit.quantities import quantity as make_quantity
+    from ecfit.study.plugins import load_plugins
+
+    load_plugins(plugin, Path())
+    bsdf = ecfit.model(model, **_settings(option))
+    given = None if albedo is None else find(albedo)
+    axes, _ = _axes(axis, bsdf, make_quantity("directional-albedo", "all", transport), "uniform")
+    found = furnace_of(bsdf, given, axes, method=method, transport=transport, tolerance=tolerance)
+    print("\n".join(found.describe()))
+    if output is not None:
+        found.table.save(output)
         print(f"written: {output}")
 
 
@@ -265,6 +313,21 @@ def _settings(pairs: tuple[str, ...]) -> dict[str, Any]:
         except ValueError:
             out[name] = value
     return out
+
+
+def _axes(texts: tuple[str, ...], model: Any, quantity: Any, spacing: str) -> tuple[dict[str, Any], int]:
+    """Axes of `--axis` arguments by name, and the number of entries of their grid."""
+    import ecfit
+    from ecfit.tables.tabulate import default_range
+
+    axes: dict[str, Any] = {}
+    total = 1
+    for text in texts:
+        name, low, high, count = _axis(text)
+        low, high = default_range(model, quantity, name, (low, high))
+        axes[name] = ecfit.Axis.spaced(name, count, low, high, spacing)
+        total *= count
+    return axes, total
 
 
 def _axis(text: str) -> tuple[str, float | None, float | None, int]:

@@ -25,3 +25,13 @@ def published(name: str) -> Approximation:
     if name not in published_names():
         raise unknown("published fit", name, published_names())
     return Approximation.from_dict(read_json(_folder() / f"{name}.json"), f"published fit '{name}'")
+
+
+def find(name: str) -> Approximation:
+    """An approximation by a published name or from a file (`*.json`, written by a fit or a study).
+
+    Raises `EcfitError` for an unknown name and a file that is missing or holds something else.
+    """
+    if not name.endswith(".json"):
+        return published(name)
+    return Approximation.from_dict(read_json(Path(name)), f"'{name}'")

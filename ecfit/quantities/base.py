@@ -50,6 +50,10 @@ class Quantity(eqx.Module):
     def estimate(self, model: BSDF, mu: Array, level: int) -> Estimate:
         """The quantity at one point by the rules of one level (static); mu is ignored where unused."""
 
+    def bounded(self, model: BSDF) -> bool:
+        """Whether the quantity lies in [0, 1] by the model's claim to conserve energy."""
+        return model.conserving and (self.transport == "energy" or not model.transmissive)
+
     def confirm(self, model: BSDF) -> bool:
         """Whether an estimate counts only once the next level agrees (see `Measure.confirm`)."""
         return model.measure().confirm

@@ -191,8 +191,13 @@ class Request:
                 return values.reshape(outer_shape)
             return np.moveaxis(values.reshape(*outer_shape, width), -1, axes.index(inner)).copy()
 
+        values = done.values
+        if self.quantity.bounded(self.model):
+            # The truth lies in [0, 1]: an end that is within the estimate is nearer to it than the value.
+            nearest = np.clip(values, 0.0, 1.0)
+            values = np.where(np.abs(nearest - values) <= done.errors, nearest, values)
         return Table(
-            in_order(done.values),
+            in_order(values),
             in_order(done.errors),
             in_order(done.status),
             self.grid.axes,

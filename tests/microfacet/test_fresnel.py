@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from ecfit._jax import jax, jnp
-from ecfit.microfacet import ConductorFresnel, DielectricFresnel, SchlickFresnel, UnitFresnel
+from ecfit.microfacet import (
+    ConductorFresnel,
+    DielectricFresnel,
+    SchlickDielectricFresnel,
+    SchlickFresnel,
+    UnitFresnel,
+)
+from ecfit.microfacet.fresnel import refracted_cosine
 
 INDICES = (1.0, 1.05, 1.33, 1.5, 2.4, 4.0)
 # Not 0: there F = 1 for every index but 1, and 0 / 0 for that.
@@ -90,9 +97,21 @@ def test_grazing_light_is_reflected_whole(make):
         DielectricFresnel(jnp.asarray(0.6)),
         ConductorFresnel(jnp.asarray(0.2), jnp.asarray(3.9)),
         SchlickFresnel(jnp.asarray(0.04), jnp.asarray(1.0)),
+        SchlickDielectricFresnel(jnp.asarray(1.5), jnp.asarray(1.0)),
+        SchlickDielectricFresnel(jnp.asarray(0.6), jnp.asarray(1.0)),
+        DielectricFresnel(jnp.asarray(1.5)).complement(),
         UnitFresnel(),
     ],
-    ids=["entering", "leaving", "conductor", "schlick", "unit"],
+    ids=[
+        "entering",
+        "leaving",
+        "conductor",
+        "schlick",
+        "schlick-entering",
+        "schlick-leaving",
+        "complement",
+        "unit",
+    ],
 )
 def test_reflectance_lies_in_the_unit_interval_and_has_finite_slopes(fresnel):
     x = jnp.linspace(0.0, 1.0, 301)
@@ -128,3 +147,53 @@ def test_schlick_takes_F0_at_the_normal_and_F90_at_grazing():
 
 def test_unit_reflects_everything():
     assert np.all(np.asarray(UnitFresnel()(X)) == 1.0)
+
+
+@pytest.mark.parametrize("eta", [*INDICES, 1 / 1.5])
+def test_the_refracted_cosine_obeys_snells_law(eta):
+    c, refracts = (np.asarray(v) for v in refracted_cosine(jnp.asarray(eta), X))
+    sine = np.sqrt(1.0 - np.asarray(X) ** 2)
+    np.testing.assert_array_equal(refracts, sine < eta)
+    np.testing.assert_allclose(eta * np.sqrt(1.0 - c[refracts] ** 2), sine[refracts], atol=1e-12)
+    np.testing.assert_array_equal(c[~refracts], 1.0)
+
+
+def test_into_an_infinite_index_light_is_refracted_to_the_normal_but_wholly_reflected():
+    """F0 = 1 on an axis is this index: neither NaN nor a warning may come of it."""
+    c, refracts = refracted_cosine(jnp.asarray(jnp.inf), jnp.asarray([0.0, 0.5, 1.0]))
+    np.testing.assert_array_equal(c, 1.0)
+    assert np.all(np.asarray(refracts))
+    for factor in (DielectricFresnel, lambda eta: SchlickDielectricFresnel(eta, jnp.asarray(1.0))):
+        np.testing.assert_array_equal(factor(jnp.asarray(jnp.inf))(jnp.asarray([0.0, 0.5, 1.0])), 1.0)
+
+
+def test_a_large_index_is_near_the_infinite_one():
+    """At normal incidence 1 - F = 4 eta / (1 + eta)^2."""
+    np.testing.assert_allclose(1.0 - dielectric(1e8, 1.0), 4e-8, rtol=1e-6)
+
+
+def test_schlick_for_an_interface_has_the_F0_of_its_index():
+    factor = SchlickDielectricFresnel(jnp.asarray(1.5), jnp.asarray(0.9))
+    plain = SchlickFresnel(jnp.asarray(0.04), jnp.asarray(0.9))
+    np.testing.assert_allclose(factor(X), plain(X), rtol=1e-14)
+
+
+def test_schlick_seen_from_inside_takes_the_cosine_outside():
+    """Both sides of an interface reflect alike; beyond the critical angle all is reflected."""
+    outside, inside = (SchlickDielectricFresnel(jnp.asarray(eta), jnp.asarray(1.0)) for eta in (1.5, 1 / 1.5))
+    refracted = jnp.sqrt(1.0 - (1.0 - X**2) / 1.5**2)
+    np.testing.assert_allclose(inside(refracted), outside(X), atol=1e-13)
+    critical = np.sqrt(1.0 - 1.0 / 1.5**2)
+    np.testing.assert_array_equal(inside(jnp.linspace(0.0, critical * (1.0 - 1e-12), 50)), 1.0)
+
+
+def test_the_complement_is_what_passes():
+    factor = DielectricFresnel(jnp.asarray(1.5))
+    np.testing.assert_allclose(factor.complement()(X), 1.0 - np.asarray(factor(X)), rtol=1e-15)
+    np.testing.assert_allclose(factor.complement().complement()(X), factor(X), atol=1e-15)
+
+
+def test_schlicks_exponent_is_free():
+    # By hand at x = 1/2: 0.2 + 0.8 / 2^7.
+    found = SchlickFresnel(jnp.asarray(0.2), jnp.asarray(1.0), 7)(jnp.asarray(0.5))
+    assert float(found) == pytest.approx(0.2 + 0.8 / 128, rel=1e-15)

@@ -48,6 +48,33 @@ class Edge(BSDF):
         return Coarse(self.f, False)
 
 
+class ToldEdge(Edge):
+    """The same, which tells of its edge."""
+
+    def edges(self, mu):
+        return jnp.asarray([math.cos(0.7)])
+
+    def measure(self):
+        return Coarse(self.f, False, self.edges)
+
+
+class TwoSided(BSDF):
+    """Reflects within 0.7 rad of the normal, and transmits within 0.4 rad of it on the other side."""
+
+    transmissive = True
+
+    def f(self, wo, wi):
+        inside = jnp.where(wi[2] > 0.0, wi[2] > math.cos(0.7), wi[2] < -math.cos(0.4))
+        return jnp.where(inside, 1.0, 0.0) / jnp.pi
+
+    def edges(self, mu):
+        # The third lies outside [-1, 1] and counts as none.
+        return jnp.asarray([math.cos(0.7), -math.cos(0.4), 2.0])
+
+    def measure(self):
+        return Coarse(self.f, True, self.edges)
+
+
 @cache
 def estimates(model_class: type[BSDF], level: int, lobe: str = "all"):
     rule = model_class().measure()
@@ -122,6 +149,24 @@ def test_an_edge_does_not_pass_for_converged():
     assert error.max() < 5e-2
     assert np.all(error <= table.errors)
     assert any("tolerance" in line for line in table.describe())
+
+
+def test_an_edge_that_a_model_tells_of_does_no_harm():
+    """On either side of theta_i = theta_o, and on it."""
+    mu = [0.0, 0.1, math.cos(0.7), 0.9, 1.0]
+    table = ecfit.tabulate(ToldEdge(), {"mu": mu}, tolerance=1e-9)
+    assert np.all(table.status == Status.CONVERGED)
+    np.testing.assert_allclose(table.values, math.sin(0.7) ** 2, atol=1e-9)
+
+
+def test_edges_with_negative_cosines_are_those_of_the_other_side():
+    value, error = estimates(TwoSided, 2)
+    np.testing.assert_allclose(value, math.sin(0.7) ** 2 + math.sin(0.4) ** 2, atol=1e-9)
+    assert np.all(error < 1e-6)
+
+
+def test_the_edges_of_a_model_reach_its_default_measure():
+    assert TwoSided.__mro__[1].measure(TwoSided()).edges is not None
 
 
 def test_a_peak_at_the_mirror_direction_is_found_or_said_to_be_missed():
