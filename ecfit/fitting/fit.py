@@ -13,7 +13,7 @@ from ecfit.errors import EcfitError
 from ecfit.files import read_json, write_json
 from ecfit.fitting.problem import Problem
 from ecfit.fitting.solver import Solution, linear_solution, mean_square, solve
-from ecfit.fitting.start import embedded, ones_start, polynomial_start, sanathanan_koerner
+from ecfit.fitting.start import embedded, lifted_start, ones_start, polynomial_start, sanathanan_koerner
 from ecfit.forms import Form, Minimum, Terms, smallest_denominator
 from ecfit.metrics import Errors, measure, prediction_range
 from ecfit.tables import Table
@@ -33,9 +33,9 @@ _SEARCH_NODES = {1: 1024, 2: 72, 3: 24}
 _POLISH_NODES = {1: 4096, 2: 128, 3: 32}
 # A barrier of this part of the start's RMS residual, then a tenth of it, leads round the poles at which a
 # plain descent would stop; without effect on the minimum, since the last descent has none. Denominators of
-# fewer coefficients than this reach one minimum from every start and need none (conductor, degree 1 to 5).
+# fewer coefficients than this reach one minimum from every start and need none (conductor, degree 1 to 4).
 _BARRIERS = (0.1, 0.01)
-_BARRIER_TERMS = 21
+_BARRIER_TERMS = 19
 # Relative change of coefficients and error at which a descent ends, and its steps at most. The search only
 # ranks the starts; flat valleys of high degrees would take thousands of steps for the last digit of the RMSE.
 _SEARCH = {"rtol": 1e-4, "max_steps": 300}
@@ -247,15 +247,20 @@ class Fitter:
             def rank(entry: Solution) -> tuple[bool, float]:
                 return guarded and _pole(problem, entry) is not None, entry.sum_of_squares
 
-            best = min(found, key=rank)
+            tried = len(found)
             for _ in range(_WATCHES):
+                best = min(found, key=lambda entry: entry.sum_of_squares)
                 place = _pole(problem, best) if guarded else None
                 if place is None:
                     break
-                # Every start led to a pole between the guards: watch the place, from the safest start.
+                # The best has a pole between the guards: near it there are minima without one.
                 problem = problem.watching(place)
-                best = self._around_poles(problem, polynomial_start(problem))
-            self._solved[key] = problem, best, len(found)
+                found = [entry for entry in found if entry is not best]
+                starts = [polynomial_start(problem), *lifted_start(problem)]
+                found += [self._around_poles(problem, start) for start in starts]
+                tried += len(starts)
+            best = min(found, key=rank)
+            self._solved[key] = problem, best, tried
         return self._solved[key]
 
     def _linear(self, problem: Problem) -> list[Solution]:
@@ -269,6 +274,8 @@ class Fitter:
             starts.append(ones_start(problem))
         coarser = form.coarser()
         found = []
+        if guarded:
+            found += [self._around_poles(problem, start) for start in lifted_start(problem)]
         if coarser is not None:
             coarse, solution, _ = self._search(coarser)
             start = embedded(problem, coarse, (solution.p, solution.q))

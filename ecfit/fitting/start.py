@@ -12,6 +12,8 @@ from ecfit.forms.terms import change_basis
 _ITERATIONS = 25
 # Where the last denominator nearly vanishes its rows would dominate the next solve: floor its weight.
 _FLOOR = 1e-2
+# A lifted denominator is at least this part of its mean: room for the first steps.
+_LIFT = 0.05
 
 
 def _rms(problem: Problem, p: np.ndarray, q: np.ndarray, guarded: bool) -> float:
@@ -93,6 +95,24 @@ def polynomial_start(problem: Problem) -> tuple[np.ndarray, np.ndarray]:
     q = np.zeros(1 + len(problem.terms.denominator))
     q[0] = 1.0
     return numerator_for(problem, q), q
+
+
+def lifted_start(problem: Problem) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The unguarded linearised start with a constant added to its denominator until that is positive.
+
+    Where the optimum has a pole, pole-free minima are near it. Empty where the start has no pole to begin with.
+    """
+    for _, q in sanathanan_koerner(problem, guarded=False):
+        values = np.concatenate([problem.columns[1] @ q, problem.guards @ q])
+        if values.mean() < 0.0:
+            q, values = -q, -values
+        if values.min() > 0.0:
+            return []
+        q = q.copy()
+        q[0] += _LIFT * values.mean() - values.min()
+        q = q / q[0]
+        return [(numerator_for(problem, q), q)]
+    return []
 
 
 def ones_start(problem: Problem) -> tuple[np.ndarray, np.ndarray]:

@@ -18,7 +18,7 @@ from ecfit.tables import Request
 from ecfit.tables.tabulate import default_range
 
 # Raise this when a change moves the coefficients of fits: it is part of every fit's key.
-FITTING_VERSION = 2
+FITTING_VERSION = 3
 
 
 @dataclass(frozen=True)
