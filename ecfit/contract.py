@@ -70,6 +70,17 @@ class Contract:
             ):
                 raise EcfitError(f"a contract's {label} must map names to settings, got {given!r}")
 
+    def differences(self, other: "Contract") -> list[str]:
+        """What `self` says otherwise than `other`, in words; sampling and parameters apart."""
+        out = []
+        for name in ("model", "quantity", "lobe", "transport"):
+            if getattr(self, name) != getattr(other, name):
+                out.append(f"{name} = {getattr(self, name)}")
+        for name, value in sorted(self.options.items()):
+            if name in other.options and other.options[name] != value:
+                out.append(f"{name} = {value}")
+        return out
+
     def to_dict(self) -> dict:
         """A JSON-ready dictionary."""
         return asdict(self)

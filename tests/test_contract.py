@@ -14,6 +14,7 @@ FULL = Contract(
     "average-albedo",
     "reflection",
     "radiance",
+    {"exponent": 5},
 )
 
 
@@ -41,6 +42,9 @@ def test_only_the_model_has_no_default():
         ({"options": ["ndf"]}, "options"),
         ({"parameters": "F0"}, "parameters"),
         ({"parameters": {"F0": "high"}}, "parameters"),
+        ({"quantity_options": {"exponent": "five"}}, "quantity_options"),
+        ({"quantity_options": {"exponent": True}}, "quantity_options"),
+        ({"quantity_options": 5}, "quantity_options"),
         ({"colour": "red"}, "unknown contract key 'colour'"),
     ],
 )
@@ -60,6 +64,7 @@ def test_the_description_shows_every_convention():
     assert rows["model"] == "conductor"
     assert rows["masking"] == "separable"
     assert rows["F0"] == "0.333333"
+    assert rows["exponent"] == "5"
     assert rows["quantity"].startswith("average-albedo (")
     assert (rows["lobe"], rows["transport"], rows["sampling"]) == ("reflection", "radiance", "true")
 

@@ -100,7 +100,7 @@ def polynomial_start(problem: Problem) -> tuple[np.ndarray, np.ndarray]:
 def lifted_start(problem: Problem) -> list[tuple[np.ndarray, np.ndarray]]:
     """The unguarded linearised start with a constant added to its denominator until that is positive.
 
-    Where the optimum has a pole, pole-free minima are near it. Empty where the start has no pole to begin with.
+    Where the optimum has a pole, pole-free minima are near it. Empty where the start itself has none.
     """
     for _, q in sanathanan_koerner(problem, guarded=False):
         values = np.concatenate([problem.columns[1] @ q, problem.guards @ q])

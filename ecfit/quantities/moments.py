@@ -117,4 +117,4 @@ class AverageFresnel(Quantity):
         width = 1.0 - critical
         x = critical + width * u**4
         found = integrate_line(2.0 * fresnel()(x) * x * width * 4.0 * u**3, rule)
-        return Estimate(square * (square > 0.0) + found.value, found.error)
+        return Estimate(jnp.maximum(square, 0.0) + found.value, found.error)

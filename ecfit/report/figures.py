@@ -23,7 +23,17 @@ def _mark(fit: Fit) -> str:
     return "" if fit.ok else " *"
 
 
-def degree_vs_error(name: str, fits: Sequence[Fit], published: Published = ()) -> Figure:
+def _otherwise(approximation: Approximation, table: Table) -> str:
+    """In which conventions a published fit differs from the table it is judged on."""
+    differences = approximation.contract.differences(table.contract)
+    return f" ({', '.join(differences)})" if differences else ""
+
+
+def _published_label(approximation: Approximation, table: Table) -> str:
+    return approximation.name + _otherwise(approximation, table)
+
+
+def degree_vs_error(name: str, table: Table, fits: Sequence[Fit], published: Published = ()) -> Figure:
     """Sforza & Pellacini 2022, figure 3: coefficients and MAE by degree, and MAE against coefficients."""
     families = list(dict.fromkeys(f.approximation.form for f in fits))
     # A family of one fit beside others is a point, not a column.
@@ -48,11 +58,11 @@ def degree_vs_error(name: str, fits: Sequence[Fit], published: Published = ()) -
                 row += [str(fit.terms.count), f"{fit.mae:.2e}{_mark(fit)}"] if fit else ["", ""]
             cells.append(row)
         header = ["degree"] + [cell for f in families for cell in (f"{f}\ncoefficients", f"{f}\nMAE")]
-        table = left.table(cellText=cells, colLabels=header, loc="center", cellLoc="center")
-        table.auto_set_font_size(False)
-        table.set_fontsize(8)
-        table.scale(1.0, 1.25)
-        for (row, _), cell in table.get_celld().items():
+        printed = left.table(cellText=cells, colLabels=header, loc="center", cellLoc="center")
+        printed.auto_set_font_size(False)
+        printed.set_fontsize(8)
+        printed.scale(1.0, 1.25)
+        for (row, _), cell in printed.get_celld().items():
             cell.set_linewidth(0.3)
             if row == 0:
                 cell.set_height(cell.get_height() * 1.7)
@@ -75,7 +85,7 @@ def degree_vs_error(name: str, fits: Sequence[Fit], published: Published = ()) -
         for approximation, errors in published:
             right.plot(
                 approximation.terms.count, errors.mae, "*", color=COLOURS["published"], markersize=11,
-                label=approximation.name, linestyle="none",
+                label=_published_label(approximation, table), linestyle="none",
             )  # fmt: skip
         right.set(yscale="log", xlabel="number of coefficients", ylabel="mean absolute error")
         right.set_title(f"{name}: mean absolute error against number of coefficients")
@@ -217,7 +227,7 @@ def error_along_axes(name: str, table: Table, fits: Sequence[Fit], published: Pu
         )
         for f in fits
     ]
-    entries += [(a, COLOURS["published"], "", 1.0) for a, _ in published]
+    entries += [(a, COLOURS["published"], _otherwise(a, table), 1.0) for a, _ in published]
     with look():
         figure = Figure(figsize=(9.6, 3.8), layout="constrained")
         panels = np.atleast_1d(figure.subplots(1, len(table.axes), sharey=True))

@@ -87,7 +87,7 @@ def _pictures(
                 f"{name}-degree-vs-error",
                 "Number of coefficients and mean absolute error by degree (left); mean absolute error "
                 "against number of coefficients (right). After Sforza & Pellacini 2022, figure 3.",
-                figures.degree_vs_error(name, fits, published),
+                figures.degree_vs_error(name, table, fits, published),
             )
         )
     out.append(

@@ -56,6 +56,19 @@ def test_short_forms_stand_for_long_ones(tmp_path: Path):
     assert nodes == [0.1, 0.5]
 
 
+def test_a_rational_may_be_left_unguarded(tmp_path: Path):
+    config = read(tmp_path, GOOD.replace("degree = [1, 2]", "degree = [1, 2]\nguarded = false"))
+    assert config.fits[0].settings() == [{"degree": 1, "guarded": False}, {"degree": 2, "guarded": False}]
+    apart = read(tmp_path, GOOD.replace("denominator = 1", "denominator = 1\nguarded = false"))
+    assert apart.fits[1].settings()[0] == {"numerator": 2, "denominator": 1, "guarded": False}
+
+
+def test_a_quantity_may_have_options(tmp_path: Path):
+    text = 'quantity = "schlick-b"\nquantity_options = { exponent = 6 }\naxes'
+    assert read(tmp_path, GOOD.replace("axes", text, 1)).tables[0].quantity_options == {"exponent": 6}
+    assert read(tmp_path, GOOD).tables[0].quantity_options == {}
+
+
 @pytest.mark.parametrize(
     ("change", "line", "words"),
     [
@@ -76,6 +89,10 @@ def test_short_forms_stand_for_long_ones(tmp_path: Path):
         (("degree = [1, 2]", 'degree = "3"'), 10, ("fits.degree", "list")),
         (("degree = [1, 2]\n", ""), 7, ("fits", "either degree, or both")),
         (('form = "rational"', 'form = "ratoinal"'), 9, ("polynomial, rational", "did you mean 'rational'")),
+        (("degree = [1, 2]", "degree = 1\nguarded = 1"), 11, ("guarded", "boolean")),
+        (('form = "rational"', 'form = "polynomial"\nguarded = false'), 7, ("fits", "belongs to the form")),
+        (("axes", "quantity_options = { exponent = 1.5 }\naxes"), 6, ("exponent", "integer")),
+        (("axes", "quantity_option = {}\naxes"), 6, ("did you mean 'quantity_options'",)),
         (('tables = ["c"]', 'tables = ["d"]'), 8, ("no table 'd'", "c")),
         (("denominator = 1", 'denominator = 1\nextra = "x"'), 16, ("extra", "unknown key")),
     ],

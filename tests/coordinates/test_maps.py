@@ -50,3 +50,15 @@ def test_F0_of_glass_is_four_percent():
     assert MAPS["F0-to-ior"].inverse(1.5) == pytest.approx(0.04, rel=1e-15)
     assert MAPS["F0-to-ior"].forward(0.04) == pytest.approx(1.5, rel=1e-15)
     assert MAPS["F0-to-ior"].forward(0.0) == 1.0
+
+
+@pytest.mark.parametrize("number", [float, np.float64, np.asarray, jnp.asarray])
+def test_full_reflectance_is_an_infinite_index(number):
+    """Both ways and without a warning, which the tests take for errors."""
+    map_ = MAPS["F0-to-ior"]
+    assert float(map_.forward(number(1.0))) == np.inf
+    assert float(map_.inverse(number(np.inf))) == 1.0
+
+
+def test_F0_is_the_same_from_either_side():
+    assert MAPS["F0-to-ior"].inverse(1.0 / 1.5) == pytest.approx(0.04, rel=1e-14)

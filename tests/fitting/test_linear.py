@@ -1,5 +1,7 @@
 """Linear least squares in blocks against NumPy's."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -29,3 +31,14 @@ def test_weights_count_rows(make_table, unit_axis):
     weighted = Problem(problem.terms, problem.domain, problem.powers, problem.index, problem.values, weights)
     expected = np.linalg.lstsq(problem.columns[0][twice], problem.values[twice], rcond=None)[0]
     np.testing.assert_allclose(linear_least_squares(weighted), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize(("counts", "degree"), [((9, 8), 3), ((60, 50), 7), ((6, 7, 8), 3)])
+def test_a_full_grid_gives_what_its_rows_give(counts, degree, make_table, unit_axis):
+    axes = [unit_axis(n, c) for n, c in zip("abc", counts, strict=False)]
+    table = make_table(lambda *x: np.exp(-x[0] * x[1]) + abs(x[-1] - 0.4), *axes)
+    problem = Problem.of_table(table, Polynomial(degree).terms(len(counts)))
+    assert problem.full
+    np.testing.assert_allclose(
+        linear_least_squares(problem), linear_least_squares(replace(problem, full=False)), atol=1e-11
+    )

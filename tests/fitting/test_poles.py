@@ -90,3 +90,24 @@ def test_an_approximation_finds_the_pole_of_its_denominator():
 def test_every_status_has_words(poled):
     assert poled.status in STATUSES
     assert set(STATUSES) == {"converged", "not-converged", "pole"}
+
+
+def test_a_pole_between_the_guards_is_watched(make_table, unit_axis):
+    """A pole narrower than the guards' spacing tempts the descent: it comes back without one."""
+    # Q = (x - 0.513)^2 - 1e-6 is negative for 0.002 only, within a cell of 1/40.
+    table = make_table(lambda x: 1.0 / ((x - 0.513) ** 2 - 1e-6) * 1e-3, unit_axis("r", 48))
+    free = ecfit.fit(table, ecfit.Rational(2, guarded=False), max_steps=50)
+    held = ecfit.fit(table, ecfit.Rational(2), max_steps=50)
+    assert free.status == "pole"
+    assert free.rmse < held.rmse
+    assert held.status != "pole"
+    assert held.smallest.bound > 0.0
+
+
+@pytest.mark.slow
+def test_an_unguarded_fit_without_a_pole_is_the_guarded_one(make_table, unit_axis):
+    table = make_table(lambda x: np.sqrt(0.1 + x), unit_axis("r", 24))
+    free, held = (ecfit.fit(table, ecfit.Rational(2, guarded=g)) for g in (False, True))
+    assert (free.status, held.status) == ("converged", "converged")
+    assert free.rmse == pytest.approx(held.rmse, rel=1e-4)
+    assert free.approximation.form == "rational-unguarded"

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ecfit.coordinates import Axis
-from ecfit.fitting.problem import Problem, blocks, chebyshev_powers, thin
+from ecfit.fitting.problem import Problem, blocks, chebyshev_powers, from_unit_monomials, thin
 from ecfit.forms import Polynomial, Rational
 
 
@@ -111,3 +111,45 @@ def test_blocks_are_padded_with_zero_weights(rows, size):
     assert values.shape[1] == size
     assert weights.sum() == rows
     np.testing.assert_array_equal(values.ravel()[:rows], np.arange(1.0, rows + 1))
+
+
+def test_a_full_grid_is_evaluated_as_its_rows_are(make_table, unit_axis):
+    axes = [unit_axis(n, 4 + i) for i, n in enumerate("abc")]
+    problem = Problem.of_table(make_table(lambda *x: x[0], *axes), Polynomial(3).terms(3))
+    assert problem.full
+    p = np.random.default_rng(0).normal(size=len(problem.terms.numerator))
+    found = problem.on_grid(p, problem.terms.numerator)
+    assert found.shape == (4, 5, 6)
+    np.testing.assert_allclose(found.ravel(), problem.columns[0] @ p, rtol=1e-12, atol=1e-13)
+
+
+def test_a_table_with_gaps_and_a_thinned_one_are_not_full(make_table, unit_axis):
+    table = make_table(lambda x: np.where(x == 0.0, np.nan, x), unit_axis("r", 5))
+    problem = Problem.of_table(table, Polynomial(1).terms(1))
+    assert problem.rows == 4
+    assert not problem.full
+    whole = Problem.of_table(make_table(lambda x: x, unit_axis("r", 300)), Polynomial(1).terms(1))
+    assert whole.full
+    assert not whole.thinned(72).full
+
+
+def test_watched_places_are_guarded(make_table, unit_axis):
+    """They come behind the guards' own grid, and stay when the problem is thinned."""
+    axes = [Axis.given(n, np.linspace(1.0, 3.0, 40)) for n in "ab"]
+    problem = Problem.of_table(make_table(lambda x, y: x, *axes), Rational(2).terms(2))
+    place = (1.25, 2.6)
+    for watching in (problem.watching(place), problem.watching(place).thinned(8)):
+        assert watching.watched == (place,)
+        assert len(watching.guards) == len(problem.guards) + 1
+        # x and y in [-1, 1], by hand: -0.75 and 0.6; T2 = 2 x^2 - 1.
+        x, y = -0.75, 0.6
+        expected = [1.0, x, y, 2.0 * x * x - 1.0, x * y, 2.0 * y * y - 1.0]
+        np.testing.assert_allclose(watching.guards[-1], expected, rtol=1e-12)
+    assert problem.watching(place).watching((1.0, 1.0)).watched == (place, (1.0, 1.0))
+
+
+def test_unit_monomials_are_powers_of_the_variable_in_its_range():
+    x = np.linspace(-1.0, 1.0, 9)
+    basis = np.polynomial.chebyshev.chebvander(x, 4)
+    powers = (0.5 * (x + 1.0))[:, None] ** np.arange(5)
+    np.testing.assert_allclose(basis @ from_unit_monomials(4).T, powers, atol=1e-15)

@@ -7,6 +7,7 @@ import pytest
 
 from ecfit.errors import EcfitError
 from ecfit.forms import Polynomial, Rational, Terms, form, total_degree
+from ecfit.forms.terms import change_basis
 
 
 def test_the_order_is_that_of_the_published_coefficients():
@@ -94,3 +95,62 @@ def test_a_coarser_form_has_a_subset_of_the_terms():
             ):
                 assert {tuple(r) for r in few.tolist()} <= {tuple(r) for r in many.tolist()}
         large = small  # type: ignore[assignment]
+
+
+@pytest.mark.parametrize("variables", [1, 2, 3])
+def test_a_grid_is_evaluated_as_its_points_are(variables: int):
+    """Nodes of unlike number, so that no two dimensions can be mistaken for each other."""
+    rng = np.random.default_rng(1)
+    nodes = [rng.uniform(-1.0, 1.0, 4 + v) for v in range(variables)]
+    mesh = np.meshgrid(*nodes, indexing="ij")
+    for made in (Rational(numerator=3, denominator=2), Polynomial(3)):
+        terms = made.terms(variables)
+        coefficients = rng.normal(size=terms.count)
+        for got, expected in zip(
+            terms.on_grid(coefficients, nodes), terms.parts(coefficients, mesh), strict=True
+        ):
+            assert got.shape == tuple(len(n) for n in nodes)
+            np.testing.assert_allclose(got, expected, rtol=1e-11, atol=1e-12)
+
+
+def test_a_change_of_basis_is_that_of_the_functions():
+    """Products of (1 + 2 t)^j and t^k in place of monomials of two variables."""
+    exponents = total_degree(2, 2)
+    # Rows: 1, 1 + 2 x, (1 + 2 x)^2 as coefficients of 1, x, x^2; y stays.
+    line = np.array([[1.0, 0.0, 0.0], [1.0, 2.0, 0.0], [1.0, 4.0, 4.0]])
+    coefficients = np.arange(1.0, 7.0)
+    plain = change_basis(coefficients, exponents, [line, np.eye(3)])
+    x, y = 0.3, -0.7
+    expected = coefficients @ ((1.0 + 2.0 * x) ** exponents[:, 0] * y ** exponents[:, 1])
+    assert plain @ (x ** exponents[:, 0] * y ** exponents[:, 1]) == pytest.approx(expected, rel=1e-14)
+
+
+def test_conversion_divides_by_the_new_constant_of_the_denominator():
+    """(1 + x) / (3 + x) at x = 1 + 2 t: (2 + 2 t) / (4 + 2 t)."""
+    terms = Rational(1).terms(1)
+    line = np.array([[1.0, 0.0], [1.0, 2.0]])
+    found = terms.converted(np.array([1.0, 1.0]), np.array([3.0, 1.0]), [line])
+    np.testing.assert_allclose(found, [0.5, 0.5, 0.5], rtol=1e-15)
+    # 1 + x at x = -1 + t has no constant.
+    gone = terms.converted(np.array([1.0, 1.0]), np.array([1.0, 1.0]), [np.array([[1.0, 0.0], [-1.0, 1.0]])])
+    assert not np.all(np.isfinite(gone))
+
+
+def test_an_unguarded_rational_is_another_form_of_the_same_terms():
+    """Results of the two must not be mistaken for each other, nor start from each other."""
+    free, guarded = Rational(3, guarded=False), Rational(3)
+    assert (free.name, guarded.name) == ("rational-unguarded", "rational")
+    assert free.may_have_poles
+    assert not guarded.may_have_poles
+    np.testing.assert_array_equal(free.terms(2).numerator, guarded.terms(2).numerator)
+    coarser = free.coarser()
+    assert coarser is not None
+    assert coarser.may_have_poles
+    assert form("rational", degree=3, guarded=False).name == free.name
+    assert not Polynomial(3).may_have_poles
+
+
+@pytest.mark.parametrize("guarded", [1, "no", None])
+def test_guarded_is_true_or_false(guarded):
+    with pytest.raises(EcfitError, match="guarded"):
+        Rational(2, guarded=guarded)

@@ -149,8 +149,10 @@ def test_integrals_in_other_coordinates_agree(side, masking):
 def test_estimates_cover_the_distance_from_those_integrals(side, masking, level):
     mu, r, ior, R, T = reference(side, masking).T
     found = lobes(side, level, mu, r, ior, masking)
-    assert np.all(np.abs(found.R - R) <= found.R_error)
-    assert np.all(np.abs(found.T - T) <= found.T_error)
+    # wo is kept 1e-9 off the normal, which the estimates do not count; E has slopes of about 1 there.
+    shift = np.where(mu == 1.0, 1e-9, 0.0)
+    assert np.all(np.abs(found.R - R) <= found.R_error + shift)
+    assert np.all(np.abs(found.T - T) <= found.T_error + shift)
 
 
 @each_side
@@ -262,7 +264,7 @@ def slopes(side: str):
     def value(mu, alpha, ior):
         eta = ior if side == "entering" else 1.0 / ior
         rule = Interface(NDFS["ggx"], "separable", alpha, eta, DielectricFresnel(eta), side == "leaving")
-        R, T = (rule.albedo(mu, 0, lobe).value for lobe in ("reflection", "transmission"))
+        R, T = (rule.albedo(mu, 1, lobe).value for lobe in ("reflection", "transmission"))
         return R + 0.5 * eta**2 * T
 
     return jax.jit(jax.vmap(jax.value_and_grad(value, (0, 1, 2))))
@@ -303,21 +305,25 @@ def test_gradients_are_finite_at_the_ends_and_at_the_critical_angle(side):
     assert np.all(np.isfinite(slopes_at(side, ends + critical + inside)[1]))
 
 
-@pytest.mark.xfail(strict=True, reason="NaN at ior = 1, and 1e73 in mu when entering")
 @each_side_slowly
 def test_gradients_are_finite_at_grazing(side):
-    ends = [(0.0, alpha, ior) for alpha in (0.3, 1.0) for ior in (1.0, 1.5, 100.0)]
-    slope = slopes_at(side, ends)[1]
+    slope = slopes_at(side, [(0.0, alpha, ior) for alpha in (0.3, 1.0) for ior in (1.5, 100.0)])[1]
     assert np.all(np.isfinite(slope))
-    assert np.abs(slope).max() < 1e3  # of order 1, but for the masking of ior = 1: mu / alpha
+    assert np.abs(slope).max() < 10.0  # of order 1
 
 
-@pytest.mark.xfail(strict=True, reason="rounding times 1 / sin(theta_o): -20 in place of -0.2 when leaving")
+@pytest.mark.xfail(strict=True, reason="NaN: 0 / 0 at mu = 0 and ior = 1")
+@each_side_slowly
+def test_gradients_are_finite_at_grazing_without_an_interface(side):
+    assert np.all(np.isfinite(slopes_at(side, [(0.0, 0.3, 1.0), (0.0, 1.0, 1.0)])[1]))
+
+
 @each_side_slowly
 def test_the_slope_at_the_normal_is_the_one_sided_difference(side):
+    """Errors of the value are divided by sin(theta_o) in the slope: two digits are left there."""
     step = 1e-3
     for alpha, ior in ((0.3, 1.5), (1.0, 1.5), (0.3, 3.0)):
         at = [(1.0 - k * step, alpha, ior) for k in range(3)]
         e, slope = slopes_at(side, at)
         difference = (3.0 * e[0] - 4.0 * e[1] + e[2]) / (2.0 * step)  # of second order
-        assert slope[0, 0] == pytest.approx(difference, abs=1e-3)
+        assert slope[0, 0] == pytest.approx(difference, abs=2e-2)

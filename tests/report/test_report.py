@@ -29,7 +29,7 @@ def test_every_figure_draws_tables_of_one_to_three_dimensions(counts: tuple[int,
     table = synthetic(*counts)
     fits = [ecfit.fit(table, ecfit.Polynomial(d)) for d in (1, 2)]
     for figure in (
-        report.degree_vs_error("t", fits),
+        report.degree_vs_error("t", table, fits),
         report.table_and_fit("t", table, fits[1]),
         report.error_maps("t", table, fits),
         report.error_along_axes("t", table, fits),
@@ -50,7 +50,7 @@ def test_an_unusable_fit_is_marked_in_the_figure():
     table = synthetic(9, 8)
     fit = ecfit.fit(table, ecfit.Polynomial(1))
     bad = dataclasses.replace(fit, status="pole", smallest=Minimum(-1.0, (0.0, 0.0), -1.0))
-    assert "pole" in rendered(report.degree_vs_error("t", [bad]), "svg").decode()
+    assert "pole" in rendered(report.degree_vs_error("t", table, [bad]), "svg").decode()
     assert "HAS A POLE" in bad.warning()
 
 

@@ -11,7 +11,7 @@ import pytest
 import ecfit
 from ecfit._jax import jnp
 from ecfit.bsdf import BSDF, Conductor, Lambertian
-from ecfit.coordinates import Axis
+from ecfit.coordinates import MAPS, Axis
 from ecfit.errors import EcfitError
 from ecfit.quadrature import Hemisphere, Status
 from ecfit.tables import Request
@@ -71,6 +71,48 @@ def test_entries_agree_with_the_albedo_at_their_nodes(paper_table):
         truth = ecfit.directional_albedo("conductor", r=r.nodes[i], mu=mu.nodes[j], level=3)
         error = abs(float(truth) - paper_table.values[i, j])
         assert error <= paper_table.errors[i, j] + 1e-10
+
+
+SHARED = {
+    "conductor": (ecfit.model("conductor", fresnel="schlick", alpha=0.4), "F0", "F0"),
+    "dielectric": (ecfit.model("dielectric", side="leaving", alpha=0.4), "ior", "ior"),
+    "glossy": (ecfit.model("glossy", alpha=0.4), "F0", "ior"),
+}
+
+
+@pytest.mark.parametrize("name", SHARED)
+def test_a_row_that_shares_its_geometry_is_what_its_entries_are_alone(name):
+    """An axis of the Fresnel factor, in the model's own name and in another view, first or last."""
+    model, axis, parameter = SHARED[name]
+    nodes, mu = {"F0": [0.02, 0.3, 0.9], "ior": [1.0, 1.3, 2.0]}[axis], [0.2, 0.7]
+    # One level for all: what is compared is not the refinement.
+    options = {"lobe": "reflection", "tolerance": 1e-4}
+    first = ecfit.tabulate(model, {axis: nodes, "mu": mu}, **options)
+    last = ecfit.tabulate(model, {"mu": mu, axis: nodes}, **options)
+    assert (first.values.shape, last.values.shape) == ((3, 2), (2, 3))
+    np.testing.assert_allclose(last.values.T, first.values, rtol=1e-12)
+    np.testing.assert_allclose(last.errors.T, first.errors, rtol=1e-6)
+    forward = MAPS["F0-to-ior"].forward if axis != parameter else float
+    for value, row in zip(nodes, first.values, strict=True):
+        alone = ecfit.tabulate(model.with_parameters({parameter: forward(value)}), {"mu": mu}, **options)
+        np.testing.assert_allclose(alone.values, row, rtol=1e-12)
+
+
+def test_the_longest_of_several_fresnel_axes_makes_the_rows():
+    """Three dimensions, the shared one in the middle."""
+    model = ecfit.model("conductor", fresnel="schlick", alpha=0.4)
+    axes = {"F90": [0.5, 1.0], "F0": [0.0, 0.2, 0.7], "mu": [0.2, 0.7]}
+    table = ecfit.tabulate(model, axes, tolerance=1e-4)
+    F90, F0, mu = np.meshgrid(*axes.values(), indexing="ij")
+    expected = ecfit.directional_albedo(model, mu=mu, F0=F0, F90=F90, level=1)
+    np.testing.assert_allclose(table.values, expected, atol=1e-6)
+
+
+def test_a_table_of_the_fresnel_factor_alone_has_no_outer_axis():
+    model = ecfit.model("dielectric")
+    table = ecfit.tabulate(model, {"ior": [1.0, 1.5]}, quantity="average-fresnel")
+    assert table.values.shape == (2,)
+    assert table.values[0] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_views_of_a_parameter_give_the_same_table():
@@ -202,6 +244,8 @@ DIFFERENT = {
     "lobe": lambda: key(lobe="reflection"),
     "transport": lambda: key(transport="radiance"),
     "quantity": lambda: key(axes={"r": 4}, quantity_name="average-albedo"),
+    "another quantity": lambda: key(quantity_name="schlick-b"),
+    "option of the quantity": lambda: key(quantity_name="schlick-b", quantity_options={"exponent": 6}),
     "tolerance": lambda: key(tolerance=1e-6),
     "default": key,
 }
@@ -235,6 +279,13 @@ def test_keys_are_the_same_in_another_process(tmp_path):
         check=True,
     )
     assert found.stdout.strip() == key()
+
+
+def test_an_option_of_the_quantity_is_part_of_the_contract():
+    options = {"exponent": 6}
+    request = Request.make("conductor", {"r": 4, "mu": 4}, "schlick-a", quantity_options=options)
+    assert dict(request.contract.quantity_options) == options
+    assert Request.make("conductor", {"r": 4, "mu": 4}).contract.quantity_options == {}
 
 
 def test_a_users_source_is_part_of_the_key():
