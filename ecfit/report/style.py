@@ -48,6 +48,10 @@ def rendered(figure: Figure, kind: str) -> bytes:
     buffer = io.BytesIO()
     metadata = {"Date": None, "Creator": None} if kind == "svg" else {"Software": None}
     with look():
+        if figure.get_layout_engine() is not None:
+            # Once for all formats: finding the layout takes longer than drawing.
+            figure.draw_without_rendering()
+            figure.set_layout_engine("none")
         # Images within an SVG are small: they weigh more than all the rest of a report.
         dpi = _SVG_IMAGE_DPI if kind == "svg" else _PNG_DPI
         figure.savefig(buffer, format=kind, metadata=metadata, dpi=dpi)
