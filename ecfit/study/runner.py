@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from threading import Lock
+from threading import Event, Lock
 from typing import Any
 
 from ecfit.approximation import Approximation
@@ -191,7 +191,7 @@ def _fits(
 ) -> dict[str, list[Fit]]:
     """All fits by table, in the order of the file; tables are fitted side by side."""
     planned = {name: [f for f in plan.fits if f.table == name] for name in plan.requests}
-    lock = Lock()
+    lock, stopped = Lock(), Event()
     with tell.stage("fits", len(plan.fits)) as advance:
 
         def finished(what: str, elapsed: float | None) -> None:
@@ -204,6 +204,8 @@ def _fits(
             fitter = Fitter(tables[name])
             out = []
             for item in planned[name]:
+                if stopped.is_set():
+                    break
                 fit = _stored_fit(item, folder)
                 started, computed = time.perf_counter(), fit is None
                 if fit is None:
@@ -214,7 +216,11 @@ def _fits(
 
         # Threads: the solver runs outside Python's lock, and compiled functions are shared.
         with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
-            return dict(zip(planned, pool.map(one_table, planned), strict=True))
+            try:
+                return dict(zip(planned, pool.map(one_table, planned), strict=True))
+            finally:
+                # After an interrupt or an error: no thread begins another fit.
+                stopped.set()
 
 
 def _fit(fitter: Fitter, planned: PlannedFit, folder: Path) -> Fit:
