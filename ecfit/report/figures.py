@@ -88,7 +88,7 @@ def degree_vs_error(name: str, table: Table, fits: Sequence[Fit], published: Pub
                 label=_published_label(approximation, table), linestyle="none",
             )  # fmt: skip
         right.set(yscale="log", xlabel="number of coefficients", ylabel="mean absolute error")
-        right.set_title(f"{name}: mean absolute error against number of coefficients")
+        right.set_title(name)
         right.grid(True, which="major", alpha=0.3)
         right.legend(frameon=False, fontsize=8)
         if any(not f.ok for f in [*fits, *single]):
