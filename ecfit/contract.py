@@ -8,9 +8,9 @@ from ecfit.errors import EcfitError, unknown
 QUANTITIES = {
     "directional-albedo": "E(mu): integral of f |cos theta_i| over wi",
     "average-albedo": "E_avg: 2 x integral of E(mu) mu over mu in [0, 1]",
-    "schlick-a": "A of E = F0 A + F90 B: mean of 1 - (1 - wo.h)^exponent over what is reflected",
-    "schlick-b": "B of E = F0 A + F90 B: mean of (1 - wo.h)^exponent over what is reflected",
-    "f82-moment": "mean of x (1 - x)^6, x = wo.h, over what is reflected: the F82 model's third term",
+    "schlick-a": "A of E = F0 A + F90 B: integral over the lobe with 1 - (1 - wo.h)^exponent for F",
+    "schlick-b": "B of E = F0 A + F90 B: integral over the lobe with (1 - wo.h)^exponent for F",
+    "f82-moment": "integral over the lobe with x (1 - x)^6, x = wo.h, for F: the F82 model's third term",
     "average-fresnel": "F_avg: 2 x integral of F(x) x over x in [0, 1]",
 }
 LOBES = {

@@ -111,5 +111,6 @@ def furnace_of(
             layer=albedo,
         )
     else:
-        whole = model if isinstance(model, Compensated) else compensate(model, albedo, method)
+        settings = {"transport": transport}  # an exact albedo must be that of the measured transport
+        whole = model if isinstance(model, Compensated) else compensate(model, albedo, method, **settings)
     return furnace(whole, axes, transport=transport, tolerance=tolerance)
