@@ -72,7 +72,9 @@ class DielectricFresnel(Fresnel):
         c, refracts = refracted_cosine(self.eta, x)
         e = 1.0 / self.eta
         # (e x - c) / (e x + c) with c^2 - e^2 x^2 = 1 - e^2: exactly 0 at eta = 1.
-        s = (1.0 - e) * (1.0 + e) / (e * x + c) ** 2
+        # Divided twice: the square underflows in derivatives at grazing.
+        sum_s = e * x + c
+        s = (1.0 - e) * (1.0 + e) / sum_s / sum_s
         # 0 / 0 only for x = 0 and eta = infinity.
         sum_ = x + e * c
         regular = refracts & (sum_ > 0.0)

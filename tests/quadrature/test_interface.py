@@ -312,7 +312,6 @@ def test_gradients_are_finite_at_grazing(side):
     assert np.abs(slope).max() < 10.0  # of order 1
 
 
-@pytest.mark.xfail(strict=True, reason="NaN: 0 / 0 at mu = 0 and ior = 1")
 @each_side_slowly
 def test_gradients_are_finite_at_grazing_without_an_interface(side):
     assert np.all(np.isfinite(slopes_at(side, [(0.0, 0.3, 1.0), (0.0, 1.0, 1.0)])[1]))
