@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ecfit.approximation import Approximation as Approximation
+    from ecfit.approximation import lookup_table as lookup_table
     from ecfit.approximation import published as published
+    from ecfit.approximation import shipped as shipped
     from ecfit.bsdf import BSDF as BSDF
     from ecfit.bsdf import model as model
     from ecfit.bsdf import models as models
@@ -27,15 +29,20 @@ if TYPE_CHECKING:
     from ecfit.fitting import fit as fit
     from ecfit.forms import Polynomial as Polynomial
     from ecfit.forms import Rational as Rational
+    from ecfit.forms import Selected as Selected
+    from ecfit.forms import Structured as Structured
     from ecfit.quantities import directional_albedo as directional_albedo
     from ecfit.study import Study as Study
     from ecfit.study import run as run
     from ecfit.tables import Table as Table
+    from ecfit.tables import read_table as read_table
     from ecfit.tables import tabulate as tabulate
 
 _HOME = {
     "Approximation": "ecfit.approximation",
+    "lookup_table": "ecfit.approximation",
     "published": "ecfit.approximation",
+    "shipped": "ecfit.approximation",
     "BSDF": "ecfit.bsdf",
     "model": "ecfit.bsdf",
     "models": "ecfit.bsdf",
@@ -54,10 +61,13 @@ _HOME = {
     "fit": "ecfit.fitting",
     "Polynomial": "ecfit.forms",
     "Rational": "ecfit.forms",
+    "Selected": "ecfit.forms",
+    "Structured": "ecfit.forms",
     "directional_albedo": "ecfit.quantities",
     "Study": "ecfit.study",
     "run": "ecfit.study",
     "Table": "ecfit.tables",
+    "read_table": "ecfit.tables",
     "tabulate": "ecfit.tables",
 }
 

@@ -23,6 +23,8 @@ app = App(
     version_flags=["--version"],
     # Rich text in help would cost 0.1 s at every start.
     help_format="plaintext",
+    # `main` says how to go on; cyclopts would end without a word.
+    suppress_keyboard_interrupt=False,
 )
 
 Plugins = Annotated[
@@ -45,6 +47,7 @@ def run(
     config: Path,
     *,
     results: Annotated[Path, Parameter(help="Folder for all studies.")] = Path("results"),
+    workers: int | None = None,
 ) -> None:
     """Run a study: tables, fits and report. Finished parts are kept; running again resumes.
 
@@ -52,13 +55,17 @@ def run(
     ----------
     config
         The study's TOML file.
+    workers
+        Processes that fit at most, a table each; by default the processors that may be used.
     """
     from ecfit.config import read_config
+    from ecfit.workers import check_workers
 
+    check_workers(workers)
     read_config(config)  # a fault in the file is told before JAX takes its second to load
     from ecfit import study
 
-    done = study.run(config, results, progress=_bars())
+    done = study.run(config, results, workers=workers, progress=_bars())
     for warning in done.warnings():
         _say(f"WARNING: {warning}")
     computed = f"{len(done.seconds)} computed, " if done.seconds else "nothing left to compute, "
@@ -99,7 +106,7 @@ def table(
     lobe: str = "all",
     transport: str = "energy",
     tolerance: float = 1e-7,
-    spacing: Literal["uniform", "gauss", "chebyshev", "clamped"] = "uniform",
+    spacing: Literal["uniform", "gauss", "chebyshev", "texel-centre", "clamped"] = "uniform",
     exponent: int | None = None,
 ) -> None:
     """Integrate a quantity of a model on a grid and save the table (NPZ).
@@ -146,6 +153,73 @@ def table(
     print("\n".join([*done.describe(), f"written: {output}"]))
 
 
+@app.command(name="import")
+def import_(
+    file: Path,
+    *,
+    output: Path,
+    axis: Annotated[
+        tuple[str, ...],
+        Parameter(
+            name="--axis", help="name=count (0 to 1), name=low:high:count or name=x,x,...; repeatable."
+        ),
+    ],
+    spacing: Literal["uniform", "gauss", "chebyshev", "texel-centre", "clamped"] = "uniform",
+    stored: Literal["E", "1-E"] = "E",
+    scale: float = 1.0,
+    order: str | None = None,
+    channel: str | None = None,
+    model: str = "unknown",
+    option: Options = (),
+    plugin: Plugins = (),
+    quantity: str = "directional-albedo",
+    lobe: str = "all",
+    transport: str = "energy",
+    exponent: int | None = None,
+) -> None:
+    """Read somebody's own table (CSV, NPY or EXR) and save it as ours (NPZ), to be fitted like ours.
+
+    Parameters
+    ----------
+    file
+        The file; nothing in it is executed.
+    output
+        File to write.
+    spacing
+        Of the nodes of all axes: uniform has nodes at both ends, texel-centre at (i + 0.5) / N.
+    stored
+        What the file holds.
+    scale
+        The stored number that stands for 1: 65535 for 16-bit tables.
+    order
+        Axes as the file stores them, separated by commas, the one that varies fastest last; -mu: from its
+        last node to its first (--order=-mu,r). By default the order of --axis.
+    channel
+        Of an image (R or Y by default), of the last dimension of an NPY array, or a column's name.
+    model
+        The registered model that the table is claimed to be of, or unknown.
+    quantity
+        What the table holds; `ecfit list` shows the names.
+    lobe
+        all, reflection or transmission.
+    transport
+        energy or radiance.
+    exponent
+        Of schlick-a and schlick-b; 5 by default.
+    """
+    from ecfit.study.plugins import load_plugins
+    from ecfit.tables import claim, read_table
+
+    load_plugins(plugin, Path())
+    settings = {} if exponent is None else {"exponent": exponent}
+    contract = claim(model, _settings(option), quantity, lobe, transport, settings)
+    names = None if order is None else [name.strip() for name in order.split(",")]
+    axes = _given_axes(axis, spacing)
+    done = read_table(file, axes, contract, stored, names, channel=channel, scale=scale)
+    done.save(output)
+    print("\n".join([*done.describe(), f"written: {output}"]))
+
+
 @app.command
 def fit(
     table: Path,
@@ -162,7 +236,7 @@ def fit(
     Parameters
     ----------
     table
-        A table written by `ecfit table` or a study.
+        A table written by `ecfit table`, `ecfit import` or a study.
     form
         rational or polynomial.
     degree
@@ -187,7 +261,7 @@ def fit(
     if not done.ok:
         _say(f"WARNING: {done.warning()}")
     place = ", ".join(f"{k} = {v:.4g}" for k, v in done.errors.place.items())
-    print(f"{done.approximation.name}: {done.terms.count} coefficients, {done.status}")
+    print(f"{done.approximation.name}: {done.approximation.count} coefficients, {done.status}")
     print(f"MAE {done.mae:.4e}, RMSE {done.rmse:.4e}, largest error {done.max_error:.4e} at {place}")
     print(f"smallest denominator {done.smallest.value:.4g}, values in [{done.prediction[0]:.6g}, ", end="")
     print(f"{done.prediction[1]:.6g}], {done.iterations} steps, {done.starts} starts")
@@ -241,6 +315,36 @@ def furnace(
     if output is not None:
         found.table.save(output)
         print(f"written: {output}")
+
+
+@app.command
+def certify(fit: str, *, samples: int = 20_000, seed: int = 1, output: Path | None = None) -> None:
+    """Prove that a fit has no pole and stays in [0, 1] on its whole domain, and measure its errors.
+
+    Exits with 1 where the certificate is refused.
+
+    Parameters
+    ----------
+    fit
+        A published or shipped fit by name (`ecfit list` shows them), or the JSON file of a fit.
+    samples
+        Random points at which the model is integrated for the errors.
+    seed
+        Of the random points.
+    output
+        File to write (JSON).
+    """
+    from ecfit.approximation import find
+    from ecfit.certify import certify as certify_
+    from ecfit.files import write_json
+
+    done = certify_(find(fit), samples=samples, seed=seed)
+    print("\n".join(done.describe()))
+    if output is not None:
+        write_json(output, done.to_dict())
+        print(f"written: {output}")
+    if not done.certified:
+        raise SystemExit(1)
 
 
 @app.command(name="check-bsdf")
@@ -328,6 +432,22 @@ def _axes(texts: tuple[str, ...], model: Any, quantity: Any, spacing: str) -> tu
         axes[name] = ecfit.Axis.spaced(name, count, low, high, spacing)
         total *= count
     return axes, total
+
+
+def _given_axes(texts: tuple[str, ...], spacing: str) -> dict[str, Any]:
+    """Axes of `ecfit import` by name."""
+    import ecfit
+    from ecfit.tables.given import full_range
+
+    axes: dict[str, Any] = {}
+    for text in texts:
+        name, _, value = text.partition("=")
+        if "," in value:
+            axes[name] = ecfit.Axis.given(name, value.split(","))
+        else:
+            name, low, high, count = _axis(text)
+            axes[name] = ecfit.Axis.spaced(name, count, *full_range(name, low, high), spacing)
+    return axes
 
 
 def _axis(text: str) -> tuple[str, float | None, float | None, int]:

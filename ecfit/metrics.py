@@ -49,14 +49,8 @@ def predict(approximation: Approximation, table: Table) -> np.ndarray:
 
     Raises `EcfitError` where the table does not have the approximation's coordinates.
     """
-    if set(approximation.variables) != set(table.names):
-        raise EcfitError(
-            f"'{approximation.name}' is a function of {', '.join(approximation.variables)}, "
-            f"the table of {', '.join(table.names)}"
-        )
-    by_name = {axis.name: axis.nominal for axis in table.axes}
-    values = approximation.on_grid([by_name[v] for v in approximation.variables])
-    return np.transpose(values, [approximation.variables.index(n) for n in table.names])
+    nodes, order = approximation.nodes_of({axis.name: axis.nominal for axis in table.axes})
+    return np.transpose(approximation.on_grid(nodes), np.argsort(order))
 
 
 def signed_error(approximation: Approximation, table: Table) -> np.ndarray:

@@ -48,6 +48,52 @@ def test_list_names_models_forms_and_published_fits_with_sources(capsys: pytest.
         assert word in out
 
 
+def test_import_then_fit(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    """A 16-bit list of 1 - E, roughness fastest, from somebody's renderer."""
+    theirs, table = tmp_path / "theirs.csv", tmp_path / "t.npz"
+    rows = [[round(65535 * 0.4 * (i / 5) ** 2 * (1 - j / 14)) for i in range(6)] for j in range(8)]
+    theirs.write_text("\n".join(", ".join(map(str, row)) + "," for row in rows))
+    arguments = ["import", theirs, "--stored", "1-E", "--scale", "65535", "--order", "mu,r", "--axis", "r=6"]
+    code, out, err = call(capsys, *arguments, "--axis", "mu=0:1:8", "--output", table)
+    assert (code, err) == (0, "")
+    assert "given, not integrated here: no error estimate (source: theirs.csv)" in out
+    assert "WARNING" not in out
+    code, out, _ = call(capsys, "fit", table, "--form", "polynomial", "--degree", "3")
+    assert code == 0
+    assert "10 coefficients, converged" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("none.csv", "--axis", "r=6"), ("no such file",)),
+        (("t.csv", "--axis", "r=6"), ("'t.csv' holds 3 numbers", "r = 6")),
+        (("t.csv", "--axis", "ior=3"), ("'ior' has no range",)),
+        (("t.csv", "--axis", "r=0.1,0.5"), ("'t.csv' holds 1 x 3 numbers",)),
+        (("t.csv", "--axis", "r=0.5,0.1,1"), ("must increase",)),
+        (("t.csv", "--axis", "r=0.5,x,1"), ("list of numbers",)),
+        (("t.csv", "--axis", "r"), ("name=count",)),
+        (("t.csv", "--axis", "r=3", "--stored", "1E"), ("--stored",)),
+        (("t.csv", "--axis", "r=3", "--spacing", "centre"), ("--spacing",)),
+        (("t.csv", "--axis", "r=3", "--order", "mu"), ("order must name",)),
+        (("t.csv", "--axis", "r=3", "--model", "conducter"), ("did you mean 'conductor'",)),
+        (("t.csv", "--axis", "r=3", "--quantity", "albedo"), ("directional-albedo",)),
+    ],
+)  # fmt: skip
+def test_an_import_that_cannot_be_is_one_message(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments, words
+):
+    monkeypatch.chdir(tmp_path)
+    Path("t.csv").write_text("0.9, 0.8, 0.7\n")
+    code, out, err = call(capsys, "import", *arguments, "--output", "t.npz")
+    assert (code, out) == (2, "")
+    assert err.startswith("error: ")
+    assert len(err.splitlines()) == 1
+    for word in words:
+        assert word in err
+    assert not Path("t.npz").exists()
+
+
 def test_table_then_fit(capsys: pytest.CaptureFixture[str], tmp_path: Path):
     table, fit = tmp_path / "e.npz", tmp_path / "e.json"
     code, out, _ = call(
@@ -69,6 +115,8 @@ def test_table_then_fit(capsys: pytest.CaptureFixture[str], tmp_path: Path):
         (("run", "nowhere.toml"), ("no such file", "nowhere.toml")),
         (("rum",), ("rum", "run")),
         (("run",), ("config",)),
+        (("run", "nowhere.toml", "--workers", "0"), ("workers", "1 or more")),
+        (("run", "nowhere.toml", "--workers", "two"), ("workers", "two")),
         (("table", "condcutor", "--axis", "mu=4", "--output", "x"), ("did you mean 'conductor'",)),
         (("table", "conductor", "--axis", "r=0:2:4", "--axis", "mu=4", "--output", "x"), ("domain",)),
         (("table", "conductor", "--axis", "r=4", "--output", "x.npz"), ("needs the axis 'mu'",)),
@@ -125,3 +173,16 @@ def test_check_bsdf_exits_with_1_where_a_property_fails(capsys: pytest.CaptureFi
     code, out, _ = call(capsys, "check-bsdf", "bright", "--plugin", plugin)
     assert code == 1
     assert "FAIL  energy <= 1" in out
+
+
+def test_an_interrupt_says_how_to_go_on(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
+    from ecfit import study
+
+    def interrupted(*_: object, **settings: object) -> None:
+        assert settings["workers"] == 3
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(study, "run", interrupted)
+    code, _, err = call(capsys, "run", ROOT / "configs" / "quick.toml", "--workers", 3)
+    assert code == 130
+    assert "the same command goes on from here" in err

@@ -1,6 +1,5 @@
 """Metrics against their definitions, by hand."""
 
-import dataclasses
 import json
 
 import numpy as np
@@ -20,7 +19,7 @@ def approximation(numerator, denominator=(), variables=("r", "mu"), domain=None)
     terms = Terms(np.array(list(p)), np.array(list(q), dtype=int).reshape(-1, len(variables)))
     coefficients = np.array([*p.values(), *q.values()])
     domain = domain or ((0.0, 1.0),) * len(variables)
-    return ecfit.Approximation(
+    return ecfit.Approximation.quotient(
         "x", "rational", "1", variables, terms, coefficients, domain, Contract("unknown")
     )
 
@@ -79,8 +78,8 @@ def test_a_furnace_is_infinitely_wrong_where_the_normaliser_is_not_positive(make
 
 
 def test_another_functions_table_is_refused(make_table):
-    table = make_table(lambda a, mu: a + mu, Axis.given("alpha", [0.1, 0.2]), MU)
-    with pytest.raises(EcfitError, match="function of r, mu, the table of alpha, mu"):
+    table = make_table(lambda ior, mu: ior + mu, Axis.given("ior", [1.1, 1.2]), MU)
+    with pytest.raises(EcfitError, match="function of r, mu, the table of ior, mu"):
         measure(SUM, table)
 
 
@@ -125,5 +124,5 @@ def test_the_published_fit_is_judged_as_in_the_documents(paper_table):
 def test_one_wrong_coefficient_shows(paper_table):
     """The metric is sensitive: a change of 2e-4 in one of 19 coefficients moves the error."""
     right = ecfit.published("sforza-pellacini-2022-conductor")
-    wrong = dataclasses.replace(right, coefficients=right.coefficients + 0.01 * (np.arange(19) == 4))
+    wrong = right.with_quotient(values=right.coefficients + 0.01 * (np.arange(19) == 4))
     assert measure(wrong, paper_table).rmse > 1.001 * measure(right, paper_table).rmse

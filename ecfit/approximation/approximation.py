@@ -1,4 +1,4 @@
-"""`Approximation`: an evaluated form that knows its coordinates, domain and contract."""
+"""`Approximation`: a formula that knows its coordinates, domain and contract."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -7,62 +7,118 @@ from typing import Any
 import numpy as np
 
 from ecfit._jax import jax, jnp
+from ecfit.approximation.composed import Composed
+from ecfit.approximation.formula import Formula, Quotient
+from ecfit.approximation.lookup import Lookup
+from ecfit.approximation.structured import StructuredFormula
+from ecfit.approximation.written import Written
 from ecfit.contract import Contract
 from ecfit.coordinates import resolve
-from ecfit.errors import EcfitError
-from ecfit.forms import Minimum, Terms, smallest_denominator
+from ecfit.errors import EcfitError, unknown
+from ecfit.expressions import Node
+from ecfit.forms import Minimum, Terms
+from ecfit.tables import Table
 
 Array = jax.Array
+
+KINDS: dict[str, Any] = {k.kind: k for k in (Quotient, StructuredFormula, Written, Lookup, Composed)}
 
 
 @dataclass(frozen=True, eq=False)
 class Approximation:
-    """A quotient of polynomials in stated coordinates, approximating a quantity under a contract.
+    """A formula in stated coordinates, approximating a quantity under a contract.
 
     Attributes:
         name: for people and reports.
         form, degree: the family in words ("rational", "3").
-        variables: names of the coordinates, in the order of the exponents ("r", "mu").
-        terms: exponents of numerator and denominator.
-        coefficients: float64, numerator then denominator (whose constant 1 is implied).
+        variables: names of the coordinates, in the order of the formula's ("r", "mu").
+        formula: how the value is computed.
         domain: (low, high) of each variable.
         contract: the conventions of what is approximated.
         source: who published it, or "ecfit".
-        scales: (origin, unit) of each variable x: the monomials are those of (x - origin) / unit.
-            By default (0, 1).
     """
 
     name: str
     form: str
     degree: str
     variables: tuple[str, ...]
-    terms: Terms
-    coefficients: np.ndarray
+    formula: Formula
     domain: tuple[tuple[float, float], ...]
     contract: Contract
     source: str = "ecfit"
-    scales: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
-        coefficients = np.array(self.coefficients, dtype=np.float64)
-        if coefficients.shape != (self.terms.count,):
-            raise EcfitError(
-                f"'{self.name}': {self.terms.count} coefficients expected, got shape {coefficients.shape}"
-            )
-        if not np.all(np.isfinite(coefficients)):
-            raise EcfitError(f"'{self.name}': coefficients must be finite")
-        if not (len(self.variables) == len(self.domain) == self.terms.variables):
-            raise EcfitError(f"'{self.name}': variables, domain and exponents differ in number")
+        if not isinstance(self.formula, Formula):
+            raise EcfitError(f"'{self.name}': expected a formula, got {type(self.formula).__name__}")
+        if not (len(self.variables) == len(self.domain) == self.formula.variables):
+            raise EcfitError(f"'{self.name}': variables, domain and formula differ in number")
         if any(not low < high for low, high in self.domain):
             raise EcfitError(f"'{self.name}': the domain must have low < high in each variable")
-        scales = self.scales or ((0.0, 1.0),) * self.terms.variables
-        if len(scales) != self.terms.variables or not all(
-            np.isfinite(s).all() and s[1] > 0.0 for s in scales
-        ):
-            raise EcfitError(f"'{self.name}': scales must be one (origin, unit > 0) for each variable")
-        object.__setattr__(self, "scales", tuple((float(o), float(u)) for o, u in scales))
-        coefficients.setflags(write=False)
-        object.__setattr__(self, "coefficients", coefficients)
+
+    @classmethod
+    def quotient(
+        cls,
+        name: str,
+        form: str,
+        degree: str,
+        variables: tuple[str, ...],
+        terms: Terms,
+        coefficients: np.ndarray,
+        domain: tuple[tuple[float, float], ...],
+        contract: Contract,
+        source: str = "ecfit",
+        scales: tuple[tuple[float, float], ...] = (),
+    ) -> "Approximation":
+        """A quotient of polynomials; see `Quotient` for terms, coefficients and scales."""
+        try:
+            formula = Quotient(terms, np.asarray(coefficients), scales)
+        except EcfitError as error:
+            raise EcfitError(f"'{name}': {error}") from None
+        return cls(name, form, degree, variables, formula, domain, contract, source)
+
+    @classmethod
+    def lookup(cls, table: Table, name: str | None = None) -> "Approximation":
+        """Multilinear look-up in a table whose nodes are uniform (through a map), as a renderer would.
+
+        Raises `EcfitError` for other spacings and entries that are not finite.
+        """
+        for axis in table.axes:
+            if axis.spacing != "uniform":
+                raise EcfitError(f"look-up: axis '{axis.name}' must be uniform, not {axis.spacing}")
+        label = name or "table-" + "x".join(map(str, table.grid.shape))
+        formula = Lookup(table.values, table.grid.domain, tuple(a.through for a in table.axes))
+        return cls(label, "lookup", "1", table.names, formula, table.grid.domain, table.contract)
+
+    @property
+    def coefficients(self) -> np.ndarray:
+        """The formula's numbers, float64."""
+        return self.formula.coefficients
+
+    @property
+    def count(self) -> int:
+        """How many numbers one has to store."""
+        return self.formula.count
+
+    @property
+    def terms(self) -> Terms:
+        """Exponents of a quotient. Raises `EcfitError` for other formulas."""
+        return self._quotient.terms
+
+    @property
+    def scales(self) -> tuple[tuple[float, float], ...]:
+        """(origin, unit) of each variable of a quotient. Raises `EcfitError` for other formulas."""
+        return self._quotient.scales
+
+    @property
+    def _quotient(self) -> Quotient:
+        if not isinstance(self.formula, Quotient):
+            raise EcfitError(f"'{self.name}' is not a quotient of polynomials but {self.formula.kind}")
+        return self.formula
+
+    @property
+    def is_quotient(self) -> bool:
+        """Whether the formula is a quotient of polynomials."""
+        return isinstance(self.formula, Quotient)
 
     def __call__(self, **coordinates: Any) -> Array:
         """The value at physical coordinates, in any view (`r` or `alpha`, ...); arrays broadcast.
@@ -74,58 +130,68 @@ class Approximation:
 
     def at(self, points: Sequence[Any]) -> Array:
         """The value at points given as one array a variable, in the order of `variables`."""
-        numerator, denominator = self.parts([jnp.asarray(p) for p in points])
-        return numerator / denominator
+        return self.formula.value([jnp.asarray(p) for p in points])
 
     def parts(self, points: Sequence[Any]) -> tuple[Any, Any]:
-        """P and Q at points given as one array a variable; NumPy in, NumPy out."""
-        scaled = [(p - origin) / unit for p, (origin, unit) in zip(points, self.scales, strict=True)]
-        return self.terms.parts(self.coefficients, scaled)
+        """P and Q of a quotient at points given as one array a variable; NumPy in, NumPy out."""
+        return self._quotient.parts(points)
 
     def on_grid(self, nodes: Sequence[np.ndarray]) -> np.ndarray:
         """The value, NumPy, on the tensor product of nodes given as one array a variable."""
-        scaled = [(np.asarray(n) - o) / u for n, (o, u) in zip(nodes, self.scales, strict=True)]
-        numerator, denominator = self.terms.on_grid(self.coefficients, scaled)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return numerator / denominator
+        return self.formula.on_grid(nodes)
 
     def denominator(self, **coordinates: Any) -> Array:
-        """The denominator Q at physical coordinates."""
+        """The denominator Q of a quotient at physical coordinates."""
         return self.parts(self._points(coordinates))[1]
+
+    def expression(self) -> Node:
+        """The value as an expression of `variables`. Raises `EcfitError` for tables."""
+        return self.formula.expression(self.variables)
 
     def _points(self, coordinates: Mapping[str, Any]) -> list[Array]:
         found = resolve(self.variables, coordinates)
         return [jnp.asarray(found[v], dtype=jnp.float64) for v in self.variables]
 
+    def nodes_of(self, axes: Mapping[str, np.ndarray]) -> tuple[list[np.ndarray], list[int]]:
+        """Nodes of `variables` from those of axes in any view, and the axis of each.
+
+        Raises `EcfitError` unless axes and variables correspond one to one.
+        """
+        nodes, order = [], []
+        for variable in self.variables:
+            for i, (name, values) in enumerate(axes.items()):
+                try:
+                    nodes.append(np.asarray(resolve([variable], {name: values})[variable]))
+                except EcfitError:
+                    continue
+                order.append(i)
+                break
+        if len(nodes) != len(self.variables) or sorted(order) != list(range(len(axes))):
+            raise EcfitError(
+                f"'{self.name}' is a function of {', '.join(self.variables)}, the table of {', '.join(axes)}"
+            )
+        return nodes, order
+
     def smallest_denominator(self) -> Minimum:
-        """The minimum of Q over the whole domain (not only on nodes), with a lower bound."""
-        box = [
-            ((low - origin) / unit, (high - origin) / unit)
-            for (low, high), (origin, unit) in zip(self.domain, self.scales, strict=True)
-        ]
-        found = smallest_denominator(self.terms, self.coefficients, box)
-        place = tuple(o + u * x for x, (o, u) in zip(found.place, self.scales, strict=True))
-        return found._replace(place=place)
+        """The minimum of the denominator over the whole domain (not only on nodes), with a lower bound."""
+        return self.formula.smallest_denominator(self.domain)
+
+    def with_quotient(self, **changes: Any) -> "Approximation":
+        """The same with other `values` (coefficients), `scales` or `terms` of its quotient."""
+        try:
+            return replace(self, formula=replace(self._quotient, **changes))
+        except EcfitError as error:
+            raise EcfitError(f"'{self.name}': {error}") from None
 
     def in_scales(self, scales: Sequence[tuple[float, float]]) -> "Approximation":
-        """The same function with monomials of (x - origin) / unit: other coefficients, equal values.
+        """The same quotient with monomials of (x - origin) / unit: other coefficients, equal values.
 
         Raises `EcfitError` where the denominator vanishes at the new origin, as it then has no constant 1.
         """
-        highest = self.terms.highest
-        tables = []
-        for (old_origin, old_unit), (origin, unit) in zip(self.scales, scales, strict=True):
-            line = np.polynomial.Polynomial([(origin - old_origin) / old_unit, unit / old_unit])
-            rows = np.zeros((highest + 1, highest + 1))
-            for k in range(highest + 1):
-                power = (line**k).coef
-                rows[k, : len(power)] = power
-            tables.append(rows)
-        p, q = self.terms.split(self.coefficients)
-        coefficients = self.terms.converted(p, np.concatenate([[1.0], q]), tables)
-        if not np.all(np.isfinite(coefficients)):
-            raise EcfitError(f"'{self.name}': the denominator vanishes at the new origin")
-        return replace(self, coefficients=coefficients, scales=tuple(scales))
+        try:
+            return replace(self, formula=self._quotient.in_scales(scales))
+        except EcfitError as error:
+            raise EcfitError(f"'{self.name}': {error}") from None
 
     def to_dict(self) -> dict:
         """A JSON-ready dictionary that `from_dict` reads back exactly."""
@@ -133,13 +199,10 @@ class Approximation:
             "name": self.name,
             "form": self.form,
             "degree": self.degree,
+            "kind": self.formula.kind,
             "variables": list(self.variables),
             "domain": [list(d) for d in self.domain],
-            "scales": [list(s) for s in self.scales],
-            "numerator_exponents": self.terms.numerator.tolist(),
-            "denominator_exponents": self.terms.denominator.tolist(),
-            "denominator_constant": 1.0,
-            "coefficients": self.coefficients.tolist(),
+            **self.formula.to_dict(),
             "contract": self.contract.to_dict(),
             "source": self.source,
         }
@@ -151,22 +214,22 @@ class Approximation:
             raise EcfitError(f"{where}: expected a mapping")
         try:
             variables = tuple(str(v) for v in data["variables"])
-            denominator = np.asarray(data["denominator_exponents"]).reshape(-1, len(variables))
+            kind = data.get("kind", Quotient.kind)
+            if not isinstance(kind, str) or kind not in KINDS:
+                raise unknown("kind of formula", kind, KINDS)
             return cls(
                 name=str(data["name"]),
                 form=str(data["form"]),
                 degree=str(data["degree"]),
                 variables=variables,
-                terms=Terms(np.asarray(data["numerator_exponents"]), denominator),
-                coefficients=np.asarray(data["coefficients"], dtype=np.float64),
+                formula=KINDS[kind].from_dict(data, len(variables)),
                 domain=tuple((float(low), float(high)) for low, high in data["domain"]),
                 contract=Contract.from_dict(data["contract"]),
                 source=str(data["source"]),
-                scales=tuple((float(o), float(u)) for o, u in data.get("scales", ())),
             )
         except EcfitError as error:
             raise EcfitError(f"{where}: {error}") from None
         except KeyError as error:
             raise EcfitError(f"{where}: the key {error} is missing") from None
-        except (TypeError, ValueError, OverflowError) as error:
+        except (TypeError, ValueError, OverflowError, AttributeError) as error:
             raise EcfitError(f"{where}: malformed ({error})") from None

@@ -1,9 +1,16 @@
-"""Published fits, registered as data: one JSON file a source in `ecfit/data/published`."""
+"""Published fits, registered as data: one JSON file a formula in `ecfit/data/published`.
+
+Names say the source and often its year: "kulla-conty-2017". A source with several formulas has one name for
+each: the plain one is E1, the directional albedo with F = 1; "-a" and "-b" are the weights of F0 and F90 in
+E = F0 A + F90 B; "-average" is E_avg; "-leaving" is the other side of an interface. Conventions that a source
+leaves open were settled by measuring: docs/published-conventions.md.
+"""
 
 from importlib import resources
 from pathlib import Path
 
 from ecfit.approximation.approximation import Approximation
+from ecfit.approximation.shipped import shipped
 from ecfit.errors import unknown
 from ecfit.files import read_json
 
@@ -20,6 +27,10 @@ def published_names() -> list[str]:
 def published(name: str) -> Approximation:
     """A published approximation by name, evaluated like any other.
 
+    `ecfit.published("kulla-conty-2017")(mu=0.3, r=0.5)`: coordinates in any view, arrays broadcast. What it
+    approximates is its `contract`, where its authors made it for its `domain`, and who they are its `source`;
+    `ecfit list` prints all names.
+
     Raises `EcfitError` for an unknown name (it lists the known ones).
     """
     if name not in published_names():
@@ -28,10 +39,14 @@ def published(name: str) -> Approximation:
 
 
 def find(name: str) -> Approximation:
-    """An approximation by a published name or from a file (`*.json`, written by a fit or a study).
+    """An approximation by a shipped or published name, or from a JSON file of a fit or a study.
 
     Raises `EcfitError` for an unknown name and a file that is missing or holds something else.
     """
     if not name.endswith(".json"):
+        if name in shipped():
+            return shipped(name)
+        if name not in published_names():
+            raise unknown("shipped or published fit", name, [*shipped(), *published_names()])
         return published(name)
     return Approximation.from_dict(read_json(Path(name)), f"'{name}'")

@@ -4,6 +4,7 @@ from ecfit.config.study import CHOICES as CHOICES
 from ecfit.config.study import AxisConfig as AxisConfig
 from ecfit.config.study import CompareConfig as CompareConfig
 from ecfit.config.study import FitsConfig as FitsConfig
+from ecfit.config.study import LookupConfig as LookupConfig
 from ecfit.config.study import ReportConfig as ReportConfig
 from ecfit.config.study import StudyConfig as StudyConfig
 from ecfit.config.study import TableConfig as TableConfig

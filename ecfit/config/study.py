@@ -42,6 +42,23 @@ def _axis(value: Any) -> Any:
 
 Degrees = Annotated[list[Annotated[int, Field(ge=0, le=20)]], Field(min_length=1), BeforeValidator(_listed)]
 
+Counts = Annotated[list[Annotated[int, Field(ge=2, le=200)]], Field(min_length=1), BeforeValidator(_listed)]
+
+# The norms of `ecfit.fitting.NORMS`, whose module imports JAX; a test holds them equal.
+NormName = Literal[
+    "least-squares",
+    "l1",
+    "l4",
+    "l8",
+    "minimax",
+    "furnace-mean",
+    "furnace-rms",
+    "furnace-p99",
+    "furnace-max",
+]
+
+Through = Literal["identity", "square", "sqrt", "fourth-power", "F0-to-ior"]
+
 
 class _Section(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
@@ -54,13 +71,10 @@ class AxisConfig(_Section):
     nodes: Annotated[list[float], Field(min_length=2, description="increasing coordinates")] | None = None
     low: Annotated[float | None, Field(description="lower end; the full range by default")] = None
     high: Annotated[float | None, Field(description="upper end; the full range by default")] = None
-    spacing: Annotated[Literal["uniform", "gauss", "chebyshev", "clamped"], Field(description="of nodes")] = (
-        "uniform"
-    )
-    through: Annotated[
-        Literal["identity", "square", "sqrt", "fourth-power", "F0-to-ior"],
-        Field(description="spaced in t, where the coordinate is map(t)"),
-    ] = "identity"
+    spacing: Annotated[
+        Literal["uniform", "gauss", "chebyshev", "texel-centre", "clamped"], Field(description="of nodes")
+    ] = "uniform"
+    through: Annotated[Through, Field(description="spaced in t, where the coordinate is map(t)")] = "identity"
 
     @model_validator(mode="after")
     def _one_of(self) -> "AxisConfig":
@@ -70,13 +84,28 @@ class AxisConfig(_Section):
 
 
 class TableConfig(_Section):
-    """One table: a quantity of a model on a grid."""
+    """One table: a quantity of a model on a grid, integrated here or read from somebody's file."""
 
     name: Annotated[Word, Field(description="what fits and reports call it")]
-    model: Annotated[str, Field(min_length=1, description="a registered model, or one from plugins")]
+    model: Annotated[
+        str,
+        Field(min_length=1, description="a registered model, or one from plugins; of a file also unknown"),
+    ]
     options: Annotated[
         dict[str, Annotated[Any, BeforeValidator(_setting)]], Field(description="the model's settings")
     ] = {}
+    file: Annotated[
+        str | None, Field(min_length=1, description="CSV, NPY or EXR file, relative to the config")
+    ] = None
+    stored: Annotated[Literal["E", "1-E"] | None, Field(description="what the file holds")] = None
+    scale: Annotated[
+        float | None, Field(gt=0.0, description="the stored number that stands for 1: 65535 for 16 bits")
+    ] = None
+    order: Annotated[
+        list[str] | None,
+        Field(description="axes as the file stores them, fastest last; -mu: from the last node to the first"),
+    ] = None
+    channel: Annotated[str | None, Field(description="of the file: R, G, ... or a column's name")] = None
     quantity: Annotated[
         Literal[
             "directional-albedo",
@@ -101,21 +130,121 @@ class TableConfig(_Section):
         dict[str, Annotated[AxisConfig, BeforeValidator(_axis)]],
         Field(min_length=1, description="name = count, or nodes, or a table; in the order of the dimensions"),
     ]
-    tolerance: Annotated[float, Field(gt=0.0, lt=1.0, description="absolute error of every entry")] = 1e-7
+    tolerance: Annotated[
+        float | None,
+        Field(gt=0.0, lt=1.0, description="absolute error of every entry, 1e-7 by default; not of a file"),
+    ] = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _defaults(cls, data: Any) -> Any:
+        """What is integrated has a tolerance; what is read has a storage, and its model may be unknown."""
+        if not isinstance(data, dict):
+            return data
+        if "file" in data:
+            return {"model": "unknown", "stored": "E", "scale": 1.0, **data}
+        return {"tolerance": 1e-7, **data}
+
+    @model_validator(mode="after")
+    def _one_source(self) -> "TableConfig":
+        if self.file is not None:
+            if self.tolerance is not None:
+                raise ValueError("a tolerance belongs to what is integrated: leave it out beside file")
+            return self
+        for key in ("stored", "scale", "order", "channel"):
+            if getattr(self, key) is not None:
+                raise ValueError(f"{key} says how a file is read: give file as well, or leave it out")
+        return self
+
+
+Rows = list[list[float]]
+
+
+class TermsConfig(_Section):
+    """Exponents of a structured form: one row a term, one number a feature."""
+
+    numerators: Annotated[list[Rows], Field(min_length=1, description="rows of each ratio's numerator")]
+    denominator: Annotated[
+        Rows, Field(min_length=1, description="rows of Q; the first has the coefficient 1")
+    ]
+
+
+class PowersConfig(_Section):
+    """Bounds of the terms that a selection may choose from."""
+
+    highest: Annotated[dict[str, float], Field(min_length=1, description="feature = highest exponent")]
+    step: Annotated[float, Field(gt=0.0, description="of the exponents of alpha, mu and g")] = 1.0
+    lowest_order: Annotated[float, Field(ge=0.0, description="at the corner alpha = mu = 0")] = 0.0
+    highest_order: Annotated[float, Field(ge=0.0, description="at the corner alpha = mu = 0")] = 64.0
+    factors: Annotated[int, Field(ge=1, description="features in one term")] = 3
+    total: Annotated[float, Field(ge=0.0, description="sum of a term's exponents")] = 64.0
+
+
+class WithinConfig(_Section):
+    """Bounds of all terms of a selected form."""
+
+    numerators: Annotated[list[PowersConfig], Field(min_length=1, description="of each ratio")]
+    denominator: Annotated[PowersConfig, Field(description="of Q")]
+
+
+# Which keys belong to which form, beside those of every fit; those of _OPTIONAL_KEYS may be left out.
+_FORM_KEYS = {
+    "polynomial": ("degree",),
+    "rational": ("degree", "numerator", "denominator", "guarded"),
+    "structured": ("head", "features", "terms", "start"),
+    "selected": ("head", "features", "within", "budget", "rounds", "seeds"),
+}
+_OPTIONAL_KEYS = ("degree", "numerator", "denominator", "guarded", "start", "rounds", "seeds")
 
 
 class FitsConfig(_Section):
     """Fits of one form, crossed over tables and degrees."""
 
     tables: Annotated[list[str], Field(min_length=1, description="names of tables")]
-    form: Annotated[Literal["polynomial", "rational"], Field(description="family of functions")]
+    form: Annotated[
+        Literal["polynomial", "rational", "structured", "selected"], Field(description="family of functions")
+    ]
+    name: Annotated[
+        Word | None, Field(description="of the fit; made of table, form and degree by default")
+    ] = None
     degree: Annotated[Degrees | None, Field(description="total degree, or a list")] = None
     numerator: Annotated[Degrees | None, Field(description="with denominator, instead of degree")] = None
     denominator: Annotated[Degrees | None, Field(description="with numerator, instead of degree")] = None
     guarded: Annotated[bool, Field(description="rational: false lets the optimum have poles")] = True
+    head: Annotated[
+        str | dict[str, Any] | None, Field(description="structured, selected: a name, or a head's fields")
+    ] = None
+    features: Annotated[list[str] | None, Field(description="structured, selected: names of features")] = None
+    terms: Annotated[TermsConfig | None, Field(description="structured: exponents of the features")] = None
+    start: Annotated[list[float] | None, Field(description="structured: coefficients to begin from")] = None
+    within: Annotated[WithinConfig | None, Field(description="selected: bounds of the terms")] = None
+    budget: Annotated[Counts | None, Field(description="selected: number of coefficients, or a list")] = None
+    rounds: Annotated[int, Field(ge=0, le=100_000, description="selected: exchanges tried")] = 100
+    seeds: Annotated[
+        int, Field(ge=1, le=1000, description="selected: searches, the best of which is kept")
+    ] = 1
+    norm: Annotated[NormName, Field(description="what best means")] = "least-squares"
+    digits: Annotated[int | None, Field(ge=3, le=17, description="coefficients rounded to these")] = None
+    strength: Annotated[float, Field(ge=0.0, description="weight of what exceeds the form's limits")] = 1.0
+    ridge: Annotated[float, Field(ge=0.0, description="weight of the coefficients' sizes")] = 0.0
+
+    @model_validator(mode="after")
+    def _keys(self) -> "FitsConfig":
+        needs = _FORM_KEYS[self.form]
+        for key in sorted(set().union(*_FORM_KEYS.values()) - set(needs)):
+            if getattr(self, key) != type(self).model_fields[key].default:
+                raise ValueError(f"{key} does not belong to the form '{self.form}'")
+        for key in needs:
+            if key not in _OPTIONAL_KEYS and getattr(self, key) is None:
+                raise ValueError(f"the form '{self.form}' needs {key}")
+        if self.name is not None and (len(self.tables) > 1 or len(self.settings()) > 1):
+            raise ValueError("a name is for one fit: give one table and one degree or budget")
+        return self
 
     @model_validator(mode="after")
     def _degrees(self) -> "FitsConfig":
+        if self.form not in ("polynomial", "rational"):
+            return self
         apart = self.numerator is not None and self.denominator is not None
         if (self.degree is None) != apart or (self.numerator is None) != (self.denominator is None):
             raise ValueError("give either degree, or both numerator and denominator")
@@ -127,8 +256,30 @@ class FitsConfig(_Section):
             raise ValueError("degree must be 1 or more")
         return self
 
-    def settings(self) -> list[dict[str, int | bool]]:
+    def settings(self) -> list[dict[str, Any]]:
         """The form's settings of each fit, in the order of the file."""
+        if self.terms is not None:
+            terms = {"numerators": self.terms.numerators, "denominator": self.terms.denominator}
+            return [{"head": self.head, "features": self.features, **terms, "start": self.start or ()}]
+        if self.within is not None:
+            bounds = {
+                "numerators": [n.model_dump() for n in self.within.numerators],
+                "denominator": self.within.denominator.model_dump(),
+            }
+            rest = {"rounds": self.rounds, "seeds": self.seeds}
+            return [
+                {"head": self.head, "features": self.features, **bounds, "budget": b, **rest}
+                for b in self.budget or []
+            ]
+        return self._degree_settings()
+
+    def norm_settings(self) -> dict[str, Any]:
+        """How each is fitted, where that is not plain least squares."""
+        chosen = {"norm": self.norm, "digits": self.digits, "strength": self.strength, "ridge": self.ridge}
+        usual = {"norm": "least-squares", "digits": None, "strength": 1.0, "ridge": 0.0}
+        return {key: value for key, value in chosen.items() if value != usual[key]}
+
+    def _degree_settings(self) -> list[dict[str, Any]]:
         rest: dict[str, int | bool] = {} if self.guarded else {"guarded": False}
         if self.degree is not None:
             return [{"degree": d, **rest} for d in self.degree]
@@ -140,11 +291,37 @@ class FitsConfig(_Section):
         ]
 
 
+class LookupConfig(_Section):
+    """A small table with multilinear interpolation, over the domain of the table that it is judged on."""
+
+    counts: Annotated[
+        dict[str, Annotated[int, Field(ge=2, le=4096)]],
+        Field(min_length=1, description="nodes of each coordinate, both ends included"),
+    ]
+    through: Annotated[
+        dict[str, Through], Field(description="maps: nodes equidistant in t, where the coordinate is map(t)")
+    ] = {}
+
+    @model_validator(mode="after")
+    def _known(self) -> "LookupConfig":
+        for name in self.through:
+            if name not in self.counts:
+                raise ValueError(f"through names '{name}', which is not in counts")
+        return self
+
+
 class CompareConfig(_Section):
-    """Published fits to judge on a table beside ours."""
+    """Published fits and look-up tables to judge on a table beside ours."""
 
     tables: Annotated[list[str], Field(min_length=1, description="names of tables")]
-    published: Annotated[list[str], Field(min_length=1, description="names of published fits")]
+    published: Annotated[list[str], Field(min_length=1, description="names of published fits")] | None = None
+    lookups: Annotated[list[LookupConfig], Field(min_length=1, description="small tables")] | None = None
+
+    @model_validator(mode="after")
+    def _something(self) -> "CompareConfig":
+        if not (self.published or self.lookups):
+            raise ValueError("give published, lookups or both")
+        return self
 
 
 class ReportConfig(_Section):

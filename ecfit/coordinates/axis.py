@@ -13,10 +13,13 @@ SPACINGS = {
     "uniform": "equally spaced nodes, both ends included",
     "gauss": "Gauss-Legendre nodes, ends excluded",
     "chebyshev": "Chebyshev-Lobatto nodes, both ends included",
+    "texel-centre": "centres (i + 0.5) / N of N equal cells, ends excluded, as a texture is sampled",
     "given": "the nodes of the list `nodes`",
     "clamped": "nodes clip(linspace(0, 1), low, high) seen by fits as linspace(0, 1) "
     "(reproduces Sforza & Pellacini 2022)",
 }
+# Spacings whose first and last node lie inside the range.
+_OPEN = ("gauss", "texel-centre")
 
 
 def _unit_nodes(spacing: str, count: int) -> np.ndarray:
@@ -28,6 +31,8 @@ def _unit_nodes(spacing: str, count: int) -> np.ndarray:
     if spacing == "chebyshev":
         # sin^2 keeps full relative precision near 0, where 1 - cos would cancel.
         return np.sin(0.5 * np.pi * np.arange(count) / (count - 1)) ** 2
+    if spacing == "texel-centre":
+        return (np.arange(count) + 0.5) / count
     raise unknown("spacing", spacing, SPACINGS)
 
 
@@ -120,7 +125,7 @@ class Axis:
         if not (map_.low <= t_low < t_high <= map_.high and np.allclose(back, ends, rtol=1e-9, atol=1e-12)):
             raise EcfitError(f"axis '{name}': [{low}, {high}] is outside the range of the map '{through}'")
         nodes = np.asarray(map_.forward(t_low + (t_high - t_low) * _unit_nodes(spacing, count)))
-        if spacing != "gauss":
+        if spacing not in _OPEN:
             nodes[0], nodes[-1] = low, high  # exact ends, whatever the map's rounding
         return cls(name, nodes, nodes, spacing, through, float(low), float(high))
 
@@ -133,6 +138,12 @@ class Axis:
     def clamped(self) -> bool:
         """Whether a fit sees other coordinates than those of the integral."""
         return self.spacing == "clamped"
+
+    @property
+    def fingerprint(self) -> bytes:
+        """Everything that the axis says, for content hashes."""
+        head = repr((self.name, self.spacing, self.through, self.low, self.high)).encode()
+        return head + self.nodes.tobytes() + self.nominal.tobytes()
 
     def __len__(self) -> int:
         return self.nodes.size

@@ -1,30 +1,20 @@
 """`fit`: from a table and a form to coefficients with an honest account of how good they are."""
 
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from ecfit._jax import jax
 from ecfit.approximation import Approximation
 from ecfit.coordinates import Grid
 from ecfit.errors import EcfitError
-from ecfit.files import read_json, write_json
 from ecfit.fitting.problem import Problem
+from ecfit.fitting.result import Fit, judged
 from ecfit.fitting.solver import Solution, linear_solution, mean_square, solve
 from ecfit.fitting.start import embedded, lifted_start, ones_start, polynomial_start, sanathanan_koerner
-from ecfit.forms import Form, Minimum, Terms, smallest_denominator
-from ecfit.metrics import Errors, measure, prediction_range
+from ecfit.fitting.structured import fit_selected, fit_structured, structured_from
+from ecfit.forms import Form, Selected, Structured, TermsForm, smallest_denominator
 from ecfit.tables import Table
-
-Array = jax.Array
-
-STATUSES = {
-    "converged": "the solver converged and the denominator is positive on the whole domain",
-    "not-converged": "the solver stopped before it converged",
-    "pole": "the denominator vanishes in the domain",
-}
 
 # Nodes an axis of the search for the minimum, and of its last steps. Smooth residuals need few: the RMSE on
 # all of 1024 x 1024 nodes is within 0.1 % of its minimum up to degree 7 (docs/performance.md). Smaller tables
@@ -48,134 +38,6 @@ _FINAL_STEPS = 40_000
 _WATCHES = 6
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """An approximation fitted to a table, with its errors on the table's nodes.
-
-    Attributes:
-        approximation: the evaluated form; calling the fit calls it.
-        errors: MAE, RMSE, maximum with its place, over all finite entries.
-        smallest: minimum of the denominator over the whole domain.
-        prediction: (low, high) of the fit on the nodes and on a grid between them.
-        status: a name of `STATUSES`.
-        iterations: Levenberg-Marquardt steps of the chosen start, all stages.
-        starts: number of starts that were tried.
-        table_key: key of the table it was fitted to.
-    """
-
-    approximation: Approximation
-    errors: Errors
-    smallest: Minimum
-    prediction: tuple[float, float]
-    status: str
-    iterations: int
-    starts: int
-    table_key: str = ""
-
-    def __call__(self, **coordinates: Any) -> Array:
-        """The value at physical coordinates; see `Approximation.__call__`."""
-        return self.approximation(**coordinates)
-
-    @property
-    def coefficients(self) -> np.ndarray:
-        """Plain-monomial coefficients: numerator, then denominator without its constant 1."""
-        return self.approximation.coefficients
-
-    @property
-    def terms(self) -> Terms:
-        return self.approximation.terms
-
-    @property
-    def mae(self) -> float:
-        return self.errors.mae
-
-    @property
-    def rmse(self) -> float:
-        return self.errors.rmse
-
-    @property
-    def max_error(self) -> float:
-        return self.errors.max_error
-
-    @property
-    def ok(self) -> bool:
-        """Whether the fit may be used without a second look."""
-        return self.status == "converged"
-
-    def warning(self) -> str:
-        """One line that says what is wrong, or nothing."""
-        if self.status == "pole":
-            place = ", ".join(
-                f"{n} = {v:.4g}"
-                for n, v in zip(self.approximation.variables, self.smallest.place, strict=True)
-            )
-            return (
-                f"{self.approximation.name} HAS A POLE: its denominator falls to "
-                f"{self.smallest.value:.3g} at {place}; do not use it, try another degree"
-            )
-        if self.status == "not-converged":
-            return f"{self.approximation.name} DID NOT CONVERGE after {self.iterations} steps"
-        return ""
-
-    def to_dict(self) -> dict:
-        """A JSON-ready dictionary that `from_dict` reads back."""
-        return {
-            **self.approximation.to_dict(),
-            "fit": {
-                "table": self.table_key,
-                "status": self.status,
-                "iterations": self.iterations,
-                "starts": self.starts,
-                "errors": self.errors.to_dict(),
-                "smallest_denominator": {
-                    "value": self.smallest.value,
-                    "place": list(self.smallest.place),
-                    "bound": self.smallest.bound,
-                },
-                "prediction": list(self.prediction),
-            },
-        }
-
-    @classmethod
-    def from_dict(cls, data: Any, where: str = "fit") -> "Fit":
-        """Read what `to_dict` wrote; raises `EcfitError` for anything else."""
-        approximation = Approximation.from_dict(data, where)
-        try:
-            fitted = data["fit"]
-            if fitted["status"] not in STATUSES:
-                raise EcfitError(f"{where}: unknown status '{fitted['status']}'")
-            smallest = fitted["smallest_denominator"]
-            return cls(
-                approximation,
-                Errors.from_dict(fitted["errors"]),
-                Minimum(
-                    float(smallest["value"]), tuple(map(float, smallest["place"])), float(smallest["bound"])
-                ),
-                _range(fitted["prediction"]),
-                fitted["status"],
-                int(fitted["iterations"]),
-                int(fitted["starts"]),
-                str(fitted["table"]),
-            )
-        except (KeyError, TypeError, ValueError, IndexError, OverflowError) as error:
-            raise EcfitError(f"{where}: malformed fit ({type(error).__name__}: {error})") from None
-
-    def save(self, path: str | Path) -> None:
-        """Write JSON."""
-        write_json(Path(path), self.to_dict())
-
-    @classmethod
-    def load(cls, path: str | Path) -> "Fit":
-        """Read JSON written by `save`; raises `EcfitError` for anything else."""
-        return cls.from_dict(read_json(Path(path)), f"'{path}'")
-
-
-def _range(ends: Any) -> tuple[float, float]:
-    """(low, high) from JSON, where null stands for infinity."""
-    low, high = ends
-    return (-np.inf if low is None else float(low), np.inf if high is None else float(high))
-
-
 class Fitter:
     """Fits forms to one table, and remembers the solutions: each is a start for the next larger form."""
 
@@ -186,34 +48,36 @@ class Fitter:
         self.max_steps = max_steps
         self._solved: dict[tuple[str, str], tuple[Problem, Solution, int]] = {}
 
-    def fit(self, form: Form, name: str | None = None) -> Fit:
+    def fit(self, form: Form, name: str | None = None, **settings: Any) -> Fit:
         """See `ecfit.fit`."""
-        if not isinstance(form, Form):
+        _check_finite(self.table)
+        if isinstance(form, Structured):
+            return fit_structured(self.table, form, name=name, max_steps=self.max_steps, **settings)
+        if isinstance(form, Selected):
+            return fit_selected(self.table, form, name=name, max_steps=self.max_steps, **settings)
+        if not isinstance(form, TermsForm):
             raise EcfitError(
                 f"fit expects a form such as ecfit.Rational(degree=3), got {type(form).__name__}"
             )
+        check_data(self.table.grid, form)
+        found = self._fit_terms(form, name)
+        if not settings:
+            return found
+        # Other norms than least squares begin from its solution.
+        given = structured_from(found.approximation)
+        return fit_structured(self.table, given, name=name or found.approximation.name, **settings)
+
+    def _fit_terms(self, form: TermsForm, name: str | None) -> Fit:
         table, label = self.table, name or f"{form.name} {form.degree}"
-        terms = form.terms(len(table.axes))
-        _check_finite(table)
-        check_data(table.grid, form)
-        problem = Problem.of_table(table, terms)
+        problem = Problem.of_table(table, form.terms(len(table.axes)))
         if form.linear:
             solution, steps, tried = linear_solution(problem), 1, 1
         else:
             _, solution, steps, tried = self.descend(form)
-        approximation, smallest = self._in_monomials(solution, problem, form, label)
-        return Fit(
-            approximation,
-            measure(approximation, table),
-            smallest,
-            prediction_range(approximation, table),
-            "pole" if smallest.bound <= 0.0 else "converged" if solution.converged else "not-converged",
-            steps,
-            tried,
-            str(table.provenance.get("key", "")),
-        )
+        approximation = self._in_monomials(solution, problem, form, label)
+        return judged(approximation, table, solution.converged, steps, tried)
 
-    def descend(self, form: Form) -> tuple[Problem, Solution, int, int]:
+    def descend(self, form: TermsForm) -> tuple[Problem, Solution, int, int]:
         """The thinned problem, its minimum from the best start, steps, and number of starts.
 
         For forms with a denominator; `fit` judges the solution on the whole table.
@@ -235,7 +99,7 @@ class Fitter:
             fine = fine.watching(place)
         return fine, solution, steps, tried
 
-    def _search(self, form: Form) -> tuple[Problem, Solution, int]:
+    def _search(self, form: TermsForm) -> tuple[Problem, Solution, int]:
         """The best solution of several starts on a thinned table, the problem, and the number of starts."""
         key = (form.name, form.degree)
         if key not in self._solved:
@@ -266,7 +130,7 @@ class Fitter:
     def _linear(self, problem: Problem) -> list[Solution]:
         return [linear_solution(problem)]
 
-    def _descend(self, problem: Problem, form: Form) -> list[Solution]:
+    def _descend(self, problem: Problem, form: TermsForm) -> list[Solution]:
         """Levenberg-Marquardt from every start that there is."""
         guarded = not form.may_have_poles
         starts = [*sanathanan_koerner(problem, guarded), polynomial_start(problem)]
@@ -292,16 +156,16 @@ class Fitter:
         return solve(problem, start, **_SEARCH)
 
     def _in_monomials(
-        self, solution: Solution, problem: Problem, form: Form, name: str
-    ) -> tuple[Approximation, Minimum]:
-        """The solution in plain monomials with its smallest denominator on the domain."""
+        self, solution: Solution, problem: Problem, form: TermsForm, name: str
+    ) -> Approximation:
+        """The solution in plain monomials."""
         coefficients = problem.plain_coefficients(solution.p, solution.q)
         if not np.all(np.isfinite(coefficients)):
             raise EcfitError(
                 f"{name}: the best denominator vanishes where all coordinates are 0, so it cannot have the "
                 "constant 1; try another degree"
             )
-        approximation = Approximation(
+        return Approximation.quotient(
             name=name,
             form=form.name,
             degree=form.degree,
@@ -311,7 +175,6 @@ class Fitter:
             domain=problem.domain,
             contract=self.table.contract,
         )
-        return approximation, approximation.smallest_denominator()
 
 
 def _pole(problem: Problem, solution: Solution) -> tuple[float, ...] | None:
@@ -323,31 +186,48 @@ def _pole(problem: Problem, solution: Solution) -> tuple[float, ...] | None:
     return None if found.bound > 0.0 else found.place
 
 
-def fit(table: Table, form: Form, *, name: str | None = None, max_steps: int | None = None) -> Fit:
-    """Fit a form to all entries of a table, in the least-squares sense.
+def fit(
+    table: Table,
+    form: Form,
+    *,
+    name: str | None = None,
+    max_steps: int | None = None,
+    **settings: Any,
+) -> Fit:
+    """Fit a form to all entries of a table.
 
     Args:
         table: what to approximate; clamped axes are seen at their nominal coordinates.
-        form: `ecfit.Polynomial(degree)`, `ecfit.Rational(degree)`, ...
+        form: `ecfit.Polynomial(degree)`, `ecfit.Rational(degree)`, `ecfit.Structured(...)`, ...
         name: for reports; made of form and degree by default.
         max_steps: bound on the last Levenberg-Marquardt descent, from the best start; by default 300 to 1000,
             fewer for more coefficients.
+        settings: for any norm but least squares over equal weights:
+            norm: a name of `ecfit.fitting.NORMS` ("least-squares", "l1", "minimax", "furnace-mean", ...);
+            weights: of the entries, in the measure of the mean, the table's shape;
+            digits: significant digits that the coefficients are rounded to;
+            strength: weight of what exceeds the form's limits (E <= 1, E >= 0);
+            ridge: weight of the size of the coefficients;
+            monotone: {coordinate: 1 or -1} where E must not fall, or not rise, along the coordinate.
 
     Returns a `Fit`, whose `status` says whether the solver converged and whether the denominator stays
     positive on the domain: look at it. Raises `EcfitError` where the table has too few entries, or entries
     that are not finite.
     """
-    return Fitter(table, max_steps).fit(form, name)
+    return Fitter(table, max_steps).fit(form, name, **settings)
 
 
 def check_data(grid: Grid, form: Form) -> None:
     """Raise `EcfitError` unless a table on `grid` determines the coefficients of `form`."""
-    terms = form.terms(len(grid.axes))
-    if grid.size < terms.count:
+    count = form.count(len(grid.axes))
+    if grid.size < count:
         raise EcfitError(
-            f"{form.name} of degree {form.degree} has {terms.count} coefficients, but the table only "
+            f"{form.name} of degree {form.degree} has {count} coefficients, but the table only "
             f"{grid.size} entries: lower the degree or refine the axes"
         )
+    if not isinstance(form, TermsForm):
+        return
+    terms = form.terms(len(grid.axes))
     for v, axis in enumerate(grid.axes):
         highest = int(max(terms.numerator[:, v].max(), terms.denominator[:, v].max(initial=0)))
         if highest >= len(axis):

@@ -7,7 +7,14 @@ from ecfit.forms.families import MAX_DEGREE as MAX_DEGREE
 from ecfit.forms.families import Form as Form
 from ecfit.forms.families import Polynomial as Polynomial
 from ecfit.forms.families import Rational as Rational
-from ecfit.forms.families import form as form
-from ecfit.forms.families import forms as forms
+from ecfit.forms.families import TermsForm as TermsForm
+from ecfit.forms.heads import HEADS as HEADS
+from ecfit.forms.heads import Head as Head
+from ecfit.forms.heads import head as head
+from ecfit.forms.registry import form as form
+from ecfit.forms.registry import forms as forms
+from ecfit.forms.specified import Selected as Selected
+from ecfit.forms.specified import Structured as Structured
+from ecfit.forms.structured import Structure as Structure
 from ecfit.forms.terms import Terms as Terms
 from ecfit.forms.terms import total_degree as total_degree

@@ -6,7 +6,7 @@ import numbers
 import equinox as eqx
 import numpy as np
 
-from ecfit.errors import EcfitError, unknown
+from ecfit.errors import EcfitError
 from ecfit.forms.terms import Terms, total_degree
 
 # Beyond this the monomials of a total degree in 64 bits carry no information that a table resolves.
@@ -34,25 +34,36 @@ class Form(eqx.Module):
         """The degree in words: "3", or "4/2" for numerator / denominator."""
 
     @abc.abstractmethod
-    def terms(self, variables: int) -> Terms:
-        """The terms in that many variables."""
+    def count(self, variables: int) -> int:
+        """Number of coefficients in that many variables."""
 
     @property
     def linear(self) -> bool:
         """Whether the coefficients enter linearly (no denominator)."""
         return False
 
+
+class TermsForm(Form):
+    """Quotients of polynomials with all terms of a degree."""
+
+    @abc.abstractmethod
+    def terms(self, variables: int) -> Terms:
+        """The terms in that many variables."""
+
+    def count(self, variables: int) -> int:
+        return self.terms(variables).count
+
     @property
     def may_have_poles(self) -> bool:
         """Whether a fit may let the denominator change its sign."""
         return False
 
-    def coarser(self) -> "Form | None":
+    def coarser(self) -> "TermsForm | None":
         """The next smaller form whose terms are among this one's: its optimum is a start for this one."""
         return None
 
 
-class Polynomial(Form):
+class Polynomial(TermsForm):
     """All monomials of total degree <= `degree` (1..20). Raises `EcfitError` outside that range."""
 
     order: int
@@ -77,7 +88,7 @@ class Polynomial(Form):
         return Terms(total_degree(variables, self.order), np.zeros((0, variables), dtype=np.int64))
 
 
-class Rational(Form):
+class Rational(TermsForm):
     """P / Q with all monomials of a total degree each, Q with constant 1.
 
     `Rational(degree=3)` has equal degrees; `Rational(numerator=4, denominator=2)` sets them apart
@@ -135,26 +146,8 @@ class Rational(Form):
     def may_have_poles(self) -> bool:
         return not self.guarded
 
-    def coarser(self) -> Form | None:
+    def coarser(self) -> TermsForm | None:
         numerator, denominator = max(self.numerator - 1, 0), max(self.denominator - 1, 0)
         if numerator == denominator == 0:
             return None
         return Rational(numerator=numerator, denominator=denominator, guarded=self.guarded)
-
-
-_FORMS: dict[str, type[Form]] = {"polynomial": Polynomial, "rational": Rational}
-
-
-def forms() -> dict[str, type[Form]]:
-    """All named families."""
-    return dict(_FORMS)
-
-
-def form(name: str, **settings: object) -> Form:
-    """A form by name: `form("rational", degree=3)`. Raises `EcfitError` for unknown names and settings."""
-    if name not in _FORMS:
-        raise unknown("form", name, _FORMS)
-    try:
-        return _FORMS[name](**settings)  # type: ignore[arg-type]
-    except TypeError:
-        raise EcfitError(f"form '{name}' does not take {', '.join(settings)}") from None

@@ -5,6 +5,7 @@ from ecfit.quadrature.half_vector import ThinInterface as ThinInterface
 from ecfit.quadrature.hemisphere import Hemisphere as Hemisphere
 from ecfit.quadrature.interface import Interface as Interface
 from ecfit.quadrature.measure import Measure as Measure
+from ecfit.quadrature.refine import FINE as FINE
 from ecfit.quadrature.refine import STATUS as STATUS
 from ecfit.quadrature.refine import Refined as Refined
 from ecfit.quadrature.refine import Status as Status

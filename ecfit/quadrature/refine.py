@@ -9,18 +9,22 @@ import numpy as np
 
 
 class Status(enum.IntEnum):
-    """How the integration of one entry ended."""
+    """How the integration of one entry ended, if it was integrated at all."""
 
     CONVERGED = 0
     TOLERANCE_NOT_MET = 1
     NOT_FINITE = 2
+    GIVEN = 3
 
 
 STATUS = {
     Status.CONVERGED: "the error estimate meets the tolerance",
     Status.TOLERANCE_NOT_MET: "the finest rule's error estimate exceeds the tolerance",
     Status.NOT_FINITE: "the integral is NaN or infinite",
+    Status.GIVEN: "given, not integrated here",
 }
+# What nobody need be warned of.
+FINE = (Status.CONVERGED, Status.GIVEN)
 
 # Rounding of a sum of up to 1e5 terms, of nodes that come from 1e-15 exact tables, and of values ~ 1.
 _ROUNDING = 2e-13

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ecfit.approximation import Approximation
+from ecfit.approximation.formula import power_product
 from ecfit.errors import EcfitError
 from ecfit.fitting import Fit
 
@@ -26,13 +27,10 @@ class Comparison:
     rows: Sequence[tuple[str, str, float, float]]
 
 
-def _monomial(variables: Sequence[str], exponents: np.ndarray) -> str:
-    parts = [v if e == 1 else f"{v}^{e}" for v, e in zip(variables, exponents, strict=True) if e]
-    return " ".join(parts) or "1"
-
-
 def _same_form(published: Approximation, fit: Fit) -> bool:
     ours = fit.approximation
+    if not (ours.is_quotient and published.is_quotient):
+        return False
     return ours.variables == published.variables and all(
         np.array_equal(a, b)
         for a, b in (
@@ -45,6 +43,8 @@ def _same_form(published: Approximation, fit: Fit) -> bool:
 def compare(published: Approximation, fits: Sequence[Fit]) -> list[Comparison]:
     """The published coefficients beside those of every fit with the same monomials."""
     found = []
+    if not published.is_quotient:
+        return found
     exponents = [
         *(("numerator", e) for e in published.terms.numerator),
         *(("denominator", e) for e in published.terms.denominator),
@@ -62,7 +62,7 @@ def compare(published: Approximation, fits: Sequence[Fit]) -> list[Comparison]:
         except EcfitError:
             continue  # its denominator vanishes at the origin of the published monomials
         rows = [
-            (part, _monomial(published.variables, e), float(a), float(b))
+            (part, power_product(published.variables, e), float(a), float(b))
             for (part, e), a, b in zip(exponents, published.coefficients, ours, strict=True)
         ]
         found.append(Comparison(published.name, fit.approximation.name, "; ".join(scaled), rows))

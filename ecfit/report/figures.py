@@ -55,7 +55,7 @@ def degree_vs_error(name: str, table: Table, fits: Sequence[Fit], published: Pub
             row = [degree]
             for family in families:
                 fit = by_key.get((family, degree))
-                row += [str(fit.terms.count), f"{fit.mae:.2e}{_mark(fit)}"] if fit else ["", ""]
+                row += [str(fit.approximation.count), f"{fit.mae:.2e}{_mark(fit)}"] if fit else ["", ""]
             cells.append(row)
         header = ["degree"] + [cell for f in families for cell in (f"{f}\ncoefficients", f"{f}\nMAE")]
         printed = left.table(cellText=cells, colLabels=header, loc="center", cellLoc="center")
@@ -68,7 +68,9 @@ def degree_vs_error(name: str, table: Table, fits: Sequence[Fit], published: Pub
                 cell.set_height(cell.get_height() * 1.7)
                 cell.set_text_props(weight="bold")
         for family in families:
-            rows = sorted((f.terms.count, f.mae, f.ok) for f in fits if f.approximation.form == family)
+            rows = sorted(
+                (f.approximation.count, f.mae, f.ok) for f in fits if f.approximation.form == family
+            )
             x, y, ok = (np.array(column) for column in zip(*rows, strict=True))
             colour, marker = COLOURS.get(family, COLOURS["other"]), MARKERS.get(family, "D")
             right.plot(x, y, marker=marker, color=colour, label=family, markersize=4, linewidth=1.2)
@@ -79,12 +81,12 @@ def degree_vs_error(name: str, table: Table, fits: Sequence[Fit], published: Pub
                 )  # fmt: skip
         for fit in single:
             right.plot(
-                fit.terms.count, fit.mae, "D", markersize=8, markerfacecolor="none", linestyle="none",
+                fit.approximation.count, fit.mae, "D", markersize=8, markerfacecolor="none", linestyle="none",
                 markeredgecolor=COLOURS["other"], label=f"{fit.approximation.name}{_mark(fit)}",
             )  # fmt: skip
         for approximation, errors in published:
             right.plot(
-                approximation.terms.count, errors.mae, "*", color=COLOURS["published"], markersize=11,
+                approximation.count, errors.mae, "*", color=COLOURS["published"], markersize=11,
                 label=_published_label(approximation, table), linestyle="none",
             )  # fmt: skip
         right.set(yscale="log", xlabel="number of coefficients", ylabel="mean absolute error")
@@ -258,28 +260,26 @@ def error_along_axes(name: str, table: Table, fits: Sequence[Fit], published: Pu
 
 
 def table_and_estimate(name: str, table: Table) -> Figure:
-    """The table and the error estimate of its entries; of more than two dimensions several planes."""
-    estimate = np.log10(np.maximum(table.errors, 1e-16))
+    """The table and, where there is one, the error estimate of its entries; of 3D tables several planes."""
+    rows = [(table.values, VALUES, table.contract.quantity)]
+    if table.estimated:
+        rows.append((np.log10(np.maximum(table.errors, 1e-16)), "magma", "log10 of the error estimate"))
     with look():
         if len(table.axes) == 1:
-            figure = Figure(figsize=(7.2, 3.2), layout="constrained")
-            left, right = figure.subplots(1, 2)
-            _curve(left, table, table.values, name, color="black")
-            _curve(right, table, estimate, "", color="black")
-            left.set_title(f"{name}: {table.contract.quantity}")
-            right.set_title("log10 of the error estimate")
+            figure = Figure(figsize=(3.6 * len(rows), 3.2), layout="constrained")
+            panels = figure.subplots(1, len(rows), squeeze=False)[0]
+            for axes, (values, _, title) in zip(panels, rows, strict=True):
+                first = axes is panels[0]
+                _curve(axes, table, values, name if first else "", color="black")
+                axes.set_title(f"{name}: {title}" if first else title)
             return figure
         planes = _planes(table, 4)
         if len(planes) == 1:
-            figure = Figure(figsize=(7.2, 3.2), layout="constrained")
-            grid = figure.subplots(1, 2).reshape(2, 1)
+            figure = Figure(figsize=(3.6 * len(rows), 3.2), layout="constrained")
+            grid = figure.subplots(1, len(rows), squeeze=False).reshape(-1, 1)
         else:
-            figure = Figure(figsize=(9.6, 4.8), layout="constrained")
-            grid = figure.subplots(2, len(planes), sharex=True, sharey=True)
-        rows = (
-            (table.values, VALUES, table.contract.quantity),
-            (estimate, "magma", "log10 of the error estimate"),
-        )
+            figure = Figure(figsize=(9.6, 2.4 * len(rows)), layout="constrained")
+            grid = figure.subplots(len(rows), len(planes), sharex=True, sharey=True, squeeze=False)
         for line, (values, cmap, title) in zip(grid, rows, strict=True):
             finite = values[table.usable]
             low, high = float(finite.min()), float(finite.max())

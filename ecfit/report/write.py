@@ -92,7 +92,9 @@ def _pictures(
         )
     out.append(
         _Picture(
-            f"{name}-table", "The table and its error estimate.", figures.table_and_estimate(name, table)
+            f"{name}-table",
+            "The table and its error estimate." if table.estimated else "The table, as given.",
+            figures.table_and_estimate(name, table),
         )
     )
     best = best_fit(fits)
@@ -125,7 +127,7 @@ def _verdict(fits: Sequence[Fit]) -> str:
     if not best.ok:
         return f"No usable fit: {best.warning()}."
     verdict = (
-        f"Best fit: {best.approximation.name}, {best.terms.count} coefficients: MAE {best.mae:.2e}, "
+        f"Best fit: {best.approximation.name}, {best.approximation.count} coefficients: MAE {best.mae:.2e}, "
         f"RMSE {best.rmse:.2e}, largest error {best.max_error:.2e}"
     )
     if not np.isfinite(best.errors.furnace_max):

@@ -2,19 +2,23 @@
 
 import hashlib
 import json
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from ecfit.approximation import Approximation, published
-from ecfit.bsdf import BSDF, model
-from ecfit.config import AxisConfig, StudyConfig, TableConfig
+from ecfit.approximation.tables import lookup_request
+from ecfit.bsdf import model
+from ecfit.config import AxisConfig, CompareConfig, StudyConfig, TableConfig
 from ecfit.coordinates import Axis
 from ecfit.errors import EcfitError
 from ecfit.fitting.fit import check_data
 from ecfit.forms import Form, form
-from ecfit.quantities import Quantity, quantity
+from ecfit.quantities import quantity
 from ecfit.study.plugins import load_plugins
-from ecfit.tables import Request
+from ecfit.tables import Given, Request, claim, read_table
+from ecfit.tables.given import full_range
 from ecfit.tables.tabulate import default_range
 
 # Raise this when a change moves the coefficients of fits: it is part of every fit's key.
@@ -23,37 +27,73 @@ FITTING_VERSION = 3
 
 @dataclass(frozen=True)
 class PlannedFit:
-    """One form on one table. `label` names its file: table-form-degree."""
+    """One form on one table. `label` names its file: table-form-degree, or the name that the config gives.
+
+    `settings` are those of `ecfit.fit` (norm, digits, ...), `name` what reports call the fit.
+    """
 
     table: str
     form: Form
     label: str
     key: str
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    name: str | None = None
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A checked study: requests by table name, fits in order, published fits by table."""
+    """A checked study: requests (or given tables) by name, fits in order.
+
+    What is judged beside our fits is by table: published fits, and requests of look-up tables.
+    """
 
     config: StudyConfig
-    requests: dict[str, Request]
+    requests: dict[str, Request | Given]
     fits: tuple[PlannedFit, ...]
     compare: dict[str, tuple[Approximation, ...]]
+    lookups: dict[str, tuple[Request, ...]]
 
 
-def _axis(name: str, axis: AxisConfig, bsdf: BSDF, quantity_: Quantity) -> Axis:
+def _axis(name: str, axis: AxisConfig, full: Callable[[], tuple[float, float]]) -> Axis:
+    """The axis of a config; `full` is its range where it has a count, and may refuse."""
     if axis.nodes is not None:
         return Axis.given(name, axis.nodes)
-    low, high = default_range(bsdf, quantity_, name, (axis.low, axis.high))
     assert axis.count is not None  # the config holds either count or nodes
-    return Axis.spaced(name, axis.count, low, high, axis.spacing, axis.through)
+    return Axis.spaced(name, axis.count, *full(), axis.spacing, axis.through)
 
 
-def _request(table: TableConfig) -> Request:
+def _given(table: TableConfig, base: Path) -> Given:
+    """The table of a file, found relative to `base`."""
+    assert table.file is not None
+    assert table.scale is not None  # the config says 1 where nobody says otherwise
+    axes = {n: _axis(n, a, lambda n=n, a=a: full_range(n, a.low, a.high)) for n, a in table.axes.items()}
+    contract = claim(
+        table.model, table.options, table.quantity, table.lobe, table.transport, table.quantity_options
+    )
+    return Given(
+        read_table(
+            base / table.file,
+            axes,
+            contract,
+            table.stored,
+            table.order,
+            channel=table.channel,
+            scale=table.scale,
+        )
+    )
+
+
+def _request(table: TableConfig, base: Path) -> Request | Given:
     try:
+        if table.file is not None:
+            return _given(table, base)
         bsdf = model(table.model, **table.options)
         quantity_ = quantity(table.quantity, table.lobe, table.transport, **table.quantity_options)
-        axes = {name: _axis(name, axis, bsdf, quantity_) for name, axis in table.axes.items()}
+        axes = {
+            n: _axis(n, a, lambda n=n, a=a: default_range(bsdf, quantity_, n, (a.low, a.high)))
+            for n, a in table.axes.items()
+        }
+        assert table.tolerance is not None  # the config says one for whatever is integrated
         return Request.make(
             bsdf,
             axes,
@@ -68,34 +108,57 @@ def _request(table: TableConfig) -> Request:
 
 
 def make_plan(config: StudyConfig, base: Path) -> Plan:
-    """Resolve a config; plugins are found relative to `base`. Raises `EcfitError` for what cannot be done."""
+    """Resolve a config; plugins and tables' files are found relative to `base`.
+
+    Raises `EcfitError` for what cannot be done.
+    """
     load_plugins(config.plugins, base)
-    requests = {table.name: _request(table) for table in config.tables}
+    requests = {table.name: _request(table, base) for table in config.tables}
     fits: list[PlannedFit] = []
     for section in config.fits:
         for settings in section.settings():
             made = form(section.form, **settings)
             for name in section.tables:
                 grid = requests[name].grid
-                label = f"{name}-{made.name}-{made.degree.replace('/', '-')}"
+                norm = "" if section.norm == "least-squares" else f"-{section.norm}"
+                label = section.name or f"{name}-{made.name}-{made.degree.replace('/', '-')}{norm}"
+                rest = section.norm_settings()
                 try:
                     check_data(grid, made)
                 except EcfitError as error:
                     raise EcfitError(f"fit '{label}': {error}") from None
-                text = [FITTING_VERSION, requests[name].key, made.name, made.degree]
+                text: list[Any] = [FITTING_VERSION, requests[name].key, made.name, made.degree]
+                if section.form not in ("polynomial", "rational") or rest:
+                    text += [settings, rest]
                 key = hashlib.sha256(json.dumps(text).encode()).hexdigest()[:16]
                 if label not in [f.label for f in fits]:
-                    fits.append(PlannedFit(name, made, label, key))
+                    fits.append(PlannedFit(name, made, label, key, rest, section.name))
     compare: dict[str, tuple[Approximation, ...]] = {}
+    lookups: dict[str, tuple[Request, ...]] = {}
     for section in config.compare:
-        found = tuple(published(name) for name in section.published)
+        found = tuple(published(name) for name in section.published or ())
         for name in section.tables:
             for approximation in found:
-                if set(approximation.variables) != set(requests[name].grid.names):
-                    raise EcfitError(
-                        f"published fit '{approximation.name}' is a function of "
-                        f"{', '.join(approximation.variables)}, table '{name}' of "
-                        f"{', '.join(requests[name].grid.names)}"
-                    )
+                _check_coordinates(approximation, name, requests[name])
             compare[name] = compare.get(name, ()) + found
-    return Plan(config, requests, tuple(fits), compare)
+            lookups[name] = lookups.get(name, ()) + _lookups(section, name, requests[name])
+    return Plan(config, requests, tuple(fits), compare, lookups)
+
+
+def _check_coordinates(approximation: Approximation, name: str, table: Request | Given) -> None:
+    try:
+        approximation.nodes_of({axis.name: axis.nominal for axis in table.grid.axes})
+    except EcfitError as error:
+        raise EcfitError(f"table '{name}' cannot judge a published fit: {error}") from None
+
+
+def _lookups(section: CompareConfig, name: str, table: Request | Given) -> tuple[Request, ...]:
+    """Requests of the look-up tables that a section judges on a table."""
+    if not section.lookups:
+        return ()
+    if not isinstance(table, Request):
+        raise EcfitError(f"table '{name}' is read from a file: look-ups stand for tables that are integrated")
+    try:
+        return tuple(lookup_request(table, item.counts, item.through) for item in section.lookups)
+    except EcfitError as error:
+        raise EcfitError(f"table '{name}': {error}") from None

@@ -5,23 +5,24 @@ import io
 import os
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from threading import Event, Lock
 from typing import Any
 
 from ecfit.approximation import Approximation
+from ecfit.approximation.tables import as_lookup, lookup_name
 from ecfit.config import StudyConfig, read_config, to_toml
 from ecfit.errors import EcfitError
-from ecfit.files import make_folder, read_json, write_json, write_text
-from ecfit.fitting import Fit, Fitter
+from ecfit.files import make_folder, write_json, write_text
+from ecfit.fitting import Fit
 from ecfit.metrics import Errors, measure
-from ecfit.quadrature import STATUS, Status
-from ecfit.study.plan import Plan, PlannedFit, make_plan
-from ecfit.tables import Table
+from ecfit.quadrature import FINE, STATUS
+from ecfit.study.fits import compute_fits, load_fits
+from ecfit.study.plan import Plan, make_plan
+from ecfit.tables import Given, Request, Table
 from ecfit.tables.tabulate import versions
+from ecfit.workers import check_workers
 
 SUMMARY_COLUMNS = (
     "table",
@@ -51,7 +52,7 @@ class Study:
         folder: `results/<study>`.
         tables: by name.
         fits: table name -> fits, in the order of the file.
-        published: table name -> (published approximation, its errors there).
+        published: table name -> (published approximation or look-up table, its errors there).
         seconds: what was computed in this run -> wall seconds; empty for what was found on disk.
     """
 
@@ -72,8 +73,9 @@ class Study:
         out = [f"table {t}: {f.warning()}" for t, fits in self.fits.items() for f in fits if not f.ok]
         for name, table in self.tables.items():
             for status, count in table.counts().items():
-                if status != Status.CONVERGED and count:
+                if status not in FINE and count:
                     out.append(f"table {name}: {count} of {table.values.size} entries: {STATUS[status]}")
+            out += [f"table {name}: {remark}" for remark in table.remarks()]
         return out
 
 
@@ -86,17 +88,26 @@ class Progress:
         yield lambda steps: None
 
 
-def run(config: str | Path, results: str | Path = "results", *, progress: Progress | None = None) -> Study:
+def run(
+    config: str | Path,
+    results: str | Path = "results",
+    *,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> Study:
     """Run the study of a TOML file and write `results/<study>/`.
 
     Args:
         config: path of the study file.
         results: folder for all studies; tables are shared in `results/tables`.
+        workers: processes that fit at most, a table each; by default the processors that this process may
+            use. The results do not depend on it.
         progress: told what is going on.
 
     Finished tables and fits are found by their content hash and kept: running again resumes. Raises
     `EcfitError` for a bad config, before anything is computed, and for files that cannot be written.
     """
+    workers = check_workers(workers)
     path = Path(config)
     checked = read_config(path)
     plan = make_plan(checked, path.parent)
@@ -105,9 +116,15 @@ def run(config: str | Path, results: str | Path = "results", *, progress: Progre
     tell = progress or Progress()
     seconds: dict[str, float] = {}
     write_text(folder / "config.toml", to_toml(_resolved(checked, path.parent, folder)))
-    tables = {name: _table(plan, name, root, seconds, tell) for name in plan.requests}
-    fits = _fits(plan, folder, tables, seconds, tell)
-    study = _assemble(plan, folder, tables, fits, seconds)
+    tables = {name: _table(r, name, root, seconds, tell) for name, r in plan.requests.items()}
+    lookups = {
+        name: [_table(r, f"{name} as {lookup_name(r.grid)}", root, seconds, tell) for r in requests]
+        for name, requests in plan.lookups.items()
+    }
+    paths = {name: _table_path(request, root) for name, request in plan.requests.items()}
+    with tell.stage("fits", len(plan.fits)) as advance:
+        compute_fits(plan, path.parent, folder, paths, seconds, advance, workers)
+    study = _assemble(plan, folder, tables, lookups, load_fits(plan, folder), seconds)
     write_results(study)
     return study
 
@@ -121,24 +138,25 @@ def load(config: str | Path, results: str | Path = "results") -> Study:
     checked = read_config(path)
     plan = make_plan(checked, path.parent)
     root, folder = Path(results), Path(results) / checked.name
-    tables: dict[str, Table] = {}
-    for name, request in plan.requests.items():
-        tables[name] = Table.load(root / "tables" / f"{request.key}.npz")
-    fits: dict[str, list[Fit]] = {name: [] for name in plan.requests}
-    for planned in plan.fits:
-        found = _stored_fit(planned, folder)
-        if found is None:
-            raise EcfitError(f"fit '{planned.label}' is missing in '{folder}': run the study first")
-        fits[planned.table].append(found)
-    return _assemble(plan, folder, tables, fits, {})
+    tables = {name: Table.load(_table_path(request, root)) for name, request in plan.requests.items()}
+    lookups = {
+        name: [Table.load(_table_path(request, root)) for request in requests]
+        for name, requests in plan.lookups.items()
+    }
+    return _assemble(plan, folder, tables, lookups, load_fits(plan, folder), {})
 
 
 def _assemble(
-    plan: Plan, folder: Path, tables: dict[str, Table], fits: dict[str, list[Fit]], seconds: dict[str, float]
+    plan: Plan,
+    folder: Path,
+    tables: dict[str, Table],
+    lookups: dict[str, list[Table]],
+    fits: dict[str, list[Fit]],
+    seconds: dict[str, float],
 ) -> Study:
     published = {
-        name: [(a, measure(a, tables[name])) for a in approximations]
-        for name, approximations in plan.compare.items()
+        name: [(a, measure(a, tables[name])) for a in (*found, *map(as_lookup, lookups[name]))]
+        for name, found in plan.compare.items()
     }
     return Study(plan.config, folder, tables, fits, published, seconds)
 
@@ -146,15 +164,26 @@ def _assemble(
 def _resolved(config: StudyConfig, base: Path, folder: Path) -> dict[str, Any]:
     """The config with all defaults, rerunnable from its place in the results folder."""
     data = config.model_dump(exclude_none=True)
-    data["plugins"] = [
-        Path(os.path.relpath(base / p, folder)).as_posix() if p.endswith(".py") else p for p in config.plugins
-    ]
+
+    def from_there(path: str) -> str:
+        return Path(os.path.relpath(base / path, folder)).as_posix()
+
+    data["plugins"] = [from_there(p) if p.endswith(".py") else p for p in config.plugins]
+    for table in data["tables"]:
+        if "file" in table:
+            table["file"] = from_there(table["file"])
     return {key: value for key, value in data.items() if value != []}
 
 
-def _table(plan: Plan, name: str, root: Path, seconds: dict[str, float], tell: Progress) -> Table:
-    request = plan.requests[name]
-    path = root / "tables" / f"{request.key}.npz"
+def _table_path(request: Request | Given, root: Path) -> Path:
+    return root / "tables" / f"{request.key}.npz"
+
+
+def _table(
+    request: Request | Given, name: str, root: Path, seconds: dict[str, float], tell: Progress
+) -> Table:
+    """The table of a request, from disk where it is there; `name` is what progress and timings call it."""
+    path = _table_path(request, root)
     if path.exists():
         try:
             table = Table.load(path)
@@ -168,70 +197,6 @@ def _table(plan: Plan, name: str, root: Path, seconds: dict[str, float], tell: P
     table.save(path)
     seconds[f"table {name}"] = time.perf_counter() - started
     return table
-
-
-def _fit_path(planned: PlannedFit, folder: Path) -> Path:
-    return folder / "fits" / f"{planned.label}.json"
-
-
-def _stored_fit(planned: PlannedFit, folder: Path) -> Fit | None:
-    """The fit on disk, where it is the planned one."""
-    path = _fit_path(planned, folder)
-    if not path.exists():
-        return None
-    try:
-        data = read_json(path)
-        return Fit.from_dict(data, f"'{path}'") if data.get("key") == planned.key else None
-    except (EcfitError, AttributeError):
-        return None  # damaged: computed again and replaced
-
-
-def _fits(
-    plan: Plan, folder: Path, tables: dict[str, Table], seconds: dict[str, float], tell: Progress
-) -> dict[str, list[Fit]]:
-    """All fits by table, in the order of the file; tables are fitted side by side."""
-    planned = {name: [f for f in plan.fits if f.table == name] for name in plan.requests}
-    lock, stopped = Lock(), Event()
-    with tell.stage("fits", len(plan.fits)) as advance:
-
-        def finished(what: str, elapsed: float | None) -> None:
-            with lock:
-                if elapsed is not None:
-                    seconds[what] = elapsed
-                advance(1)
-
-        def one_table(name: str) -> list[Fit]:
-            fitter = Fitter(tables[name])
-            out = []
-            for item in planned[name]:
-                if stopped.is_set():
-                    break
-                fit = _stored_fit(item, folder)
-                started, computed = time.perf_counter(), fit is None
-                if fit is None:
-                    fit = _fit(fitter, item, folder)
-                out.append(fit)
-                finished(f"fit {item.label}", time.perf_counter() - started if computed else None)
-            return out
-
-        # Threads: the solver runs outside Python's lock, and compiled functions are shared.
-        with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
-            try:
-                return dict(zip(planned, pool.map(one_table, planned), strict=True))
-            finally:
-                # After an interrupt or an error: no thread begins another fit.
-                stopped.set()
-
-
-def _fit(fitter: Fitter, planned: PlannedFit, folder: Path) -> Fit:
-    """Compute one fit and write its file."""
-    try:
-        fit = fitter.fit(planned.form)
-    except EcfitError as error:
-        raise EcfitError(f"fit '{planned.label}': {error}") from None
-    provenance = {**versions(), "table": str(fitter.table.provenance.get("key", ""))}
-    write_json(_fit_path(planned, folder), {"key": planned.key, **fit.to_dict(), "provenance": provenance})
-    return fit
 
 
 def write_results(study: Study) -> None:
@@ -265,7 +230,7 @@ def _summary_rows(study: Study) -> Iterator[tuple[Any, ...]]:
                 name,
                 fit.approximation.form,
                 fit.approximation.degree,
-                fit.terms.count,
+                fit.approximation.count,
                 *_error_cells(fit.errors),
                 _number(fit.smallest.value),
                 fit.status,
@@ -283,10 +248,10 @@ def _summary_rows(study: Study) -> Iterator[tuple[Any, ...]]:
                 name,
                 approximation.name,
                 approximation.degree,
-                approximation.terms.count,
+                approximation.count,
                 *_error_cells(errors),
                 _number(smallest.value),
-                "published" if smallest.bound > 0.0 else "published, pole",
+                _standing(approximation, smallest.bound),
                 _place(errors),
                 _number(errors.furnace_mean),
                 _number(errors.furnace_max),
@@ -294,6 +259,13 @@ def _summary_rows(study: Study) -> Iterator[tuple[Any, ...]]:
                 "",
                 "",
             )
+
+
+def _standing(approximation: Approximation, bound: float) -> str:
+    """The status of what is judged beside our fits."""
+    if approximation.form == "lookup":
+        return "table"
+    return "published" if bound > 0.0 else "published, pole"
 
 
 def _error_cells(errors: Errors) -> tuple[str, str, str]:

@@ -1,5 +1,8 @@
-"""Tables: a quantity on a grid, with an error estimate and a status per entry."""
+"""Tables: a quantity on a grid, with an error estimate and a status per entry; ours and other people's."""
 
+from ecfit.tables.foreign import Given as Given
+from ecfit.tables.foreign import claim as claim
+from ecfit.tables.foreign import read_table as read_table
 from ecfit.tables.table import Table as Table
 from ecfit.tables.tabulate import Request as Request
 from ecfit.tables.tabulate import tabulate as tabulate

@@ -15,7 +15,16 @@ from ecfit.contract import Contract
 from ecfit.coordinates import Axis, Grid
 from ecfit.errors import EcfitError
 from ecfit.files import write_atomically
-from ecfit.quadrature import STATUS, Status
+from ecfit.quadrature import FINE, STATUS, Status
+from ecfit.tables.given import (
+    as_albedo,
+    claimed,
+    content_key,
+    error_estimates,
+    given_axes,
+    numbers,
+    remarks,
+)
 
 _FORMAT = "ecfit-table-1"
 
@@ -26,12 +35,12 @@ class Table:
 
     Attributes:
         values: float64, one dimension per axis, in the order of the axes.
-        errors: absolute error estimate per entry, same shape.
+        errors: absolute error estimate per entry, same shape; NaN where nobody knows.
         status: `ecfit.quadrature.Status` per entry, int8, same shape.
         axes: the axes.
         contract: the conventions that give the values their meaning.
-        tolerance: the absolute error that was asked for.
-        provenance: versions and the key of the request.
+        tolerance: the absolute error that was asked for; NaN where nobody asked.
+        provenance: versions and the key of the request; of a given table, its source and key.
     """
 
     values: np.ndarray
@@ -51,6 +60,56 @@ class Table:
             array.setflags(write=False)
             object.__setattr__(self, name, array)
 
+    @classmethod
+    def from_array(
+        cls,
+        values: Any,
+        axes: Mapping[str, Any],
+        contract: Contract | Mapping[str, Any],
+        errors: Any = None,
+        tolerance: float | None = None,
+        *,
+        stored: str | None = None,
+        scale: float = 1.0,
+        source: str = "array",
+    ) -> "Table":
+        """Somebody's own table: no model is needed.
+
+        Args:
+            values: real numbers, one dimension per axis, in the order of `axes`.
+            axes: name -> `Axis`, increasing nodes, a count (equally spaced over [0, 1], ends included) or the
+                name of a spacing over [0, 1] ("uniform": node at edge, "texel-centre": texel centre).
+            contract: an `ecfit.Contract` or a mapping of its fields; the model may be "unknown".
+            errors: absolute error of each E, or one for all, where they are known.
+            tolerance: the error that the table was meant to have; entries above it are marked.
+            stored: "1-E" where `values` hold 1 - E; by default what a contract's mapping says, else "E".
+            scale: the number in `values` that stands for 1: 65535 for 16-bit tables, 100 for per cent.
+            source: where the numbers come from, for the report.
+
+        Raises `EcfitError` for values that are not finite real numbers of the shape of the axes.
+        """
+        array = numbers(values, "values")
+        made = given_axes(axes, array.shape)
+        agreed, stored = claimed(contract, stored, made)
+        array = as_albedo(array, stored, scale)
+        bad = ~np.isfinite(array)
+        if bad.any():
+            place = Grid(made).nodes_at(np.flatnonzero(bad)[:1])
+            first = ", ".join(f"{name} = {x[0]:.4g}" for name, x in place.items())
+            raise EcfitError(
+                f"{np.count_nonzero(bad)} of {bad.size} values are NaN or infinite, the first at {first}: "
+                "a table needs a number everywhere"
+            )
+        known = error_estimates(errors, array.shape)
+        if tolerance is None:
+            tolerance = np.nan
+        elif not (isinstance(tolerance, int | float) and 0.0 < tolerance < np.inf):
+            raise EcfitError(f"tolerance must be a positive number, got {tolerance!r}")
+        status = np.where(known > tolerance, Status.TOLERANCE_NOT_MET, Status.GIVEN)
+        key = content_key(agreed, tolerance, made, (array, known))
+        provenance = {"source": str(source), "key": key}
+        return cls(array, known, status, made, agreed, float(tolerance), provenance)
+
     @property
     def grid(self) -> Grid:
         return Grid(self.axes)
@@ -64,9 +123,19 @@ class Table:
         """Mask of the finite entries."""
         return np.isfinite(self.values)
 
+    @property
+    def estimated(self) -> bool:
+        """Whether anything is known of the errors."""
+        return not np.isnan(self.errors).all()
+
     def counts(self) -> dict[Status, int]:
         """Number of entries of each status."""
         return {s: int(np.count_nonzero(self.status == s)) for s in Status}
+
+    def remarks(self) -> list[str]:
+        """What in given values looks like another convention than the contract's."""
+        given = bool(np.any(self.status == Status.GIVEN))
+        return remarks(self.values, self.axes, self.contract) if given else []
 
     def describe(self) -> list[str]:
         """Lines for people: size, range, worst error estimate, and what did not converge."""
@@ -75,12 +144,19 @@ class Table:
         lines += [axis.describe() for axis in self.axes]
         if finite.size:
             lines.append(f"values in [{finite.min():.9g}, {finite.max():.9g}]")
-            worst = self.errors[self.usable].max()
-            lines.append(f"largest error estimate {worst:.2g} (tolerance {self.tolerance:.2g})")
+            if self.estimated:
+                worst = np.nanmax(self.errors[self.usable])
+                asked = "" if np.isnan(self.tolerance) else f" (tolerance {self.tolerance:.2g})"
+                lines.append(f"largest error estimate {worst:.2g}{asked}")
+        if self.counts()[Status.GIVEN]:
+            known = "" if self.estimated else ": no error estimate"
+            lines.append(
+                f"{STATUS[Status.GIVEN]}{known} (source: {self.provenance.get('source', 'unknown')})"
+            )
         for status, count in self.counts().items():
-            if status != Status.CONVERGED and count:
+            if status not in FINE and count:
                 lines.append(f"WARNING: {count} entries: {STATUS[status]}")
-        return lines
+        return lines + [f"WARNING: {remark}" for remark in self.remarks()]
 
     def save(self, path: str | Path) -> None:
         """Write one NPZ file (no pickle); a killed write leaves the old file."""
@@ -91,7 +167,7 @@ class Table:
                 for a in self.axes
             ],
             "contract": self.contract.to_dict(),
-            "tolerance": self.tolerance,
+            "tolerance": None if np.isnan(self.tolerance) else self.tolerance,
             "provenance": dict(self.provenance),
         }
         arrays: dict[str, Any] = {"values": self.values, "errors": self.errors, "status": self.status}
@@ -134,7 +210,7 @@ class Table:
                     file["status"],
                     axes,
                     Contract.from_dict(header["contract"]),
-                    float(header["tolerance"]),
+                    np.nan if header["tolerance"] is None else float(header["tolerance"]),
                     dict(header["provenance"]),
                 )
         except EcfitError as error:

@@ -3,7 +3,7 @@
 import hashlib
 import inspect
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -144,9 +144,7 @@ class Request:
         }
         digest = hashlib.sha256(json.dumps(text, sort_keys=True).encode())
         for axis in self.grid.axes:
-            digest.update(repr((axis.name, axis.spacing, axis.through, axis.low, axis.high)).encode())
-            digest.update(axis.nodes.tobytes())
-            digest.update(axis.nominal.tobytes())
+            digest.update(axis.fingerprint)
         return digest.hexdigest()[:16]
 
     def compute(self, progress: Callable[[int], None] | None = None) -> Table:
@@ -167,23 +165,17 @@ class Request:
         else:
             inner_name = maps[inner.name][0]
             inner_nodes = np.asarray(maps[inner.name][1].forward(inner.nodes))
-        nodes = self.quantity.nodes(self.model)
         width = inner_nodes.size
 
-        def evaluate(level: int, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        def gather(rows: np.ndarray) -> list[np.ndarray]:
             index = np.unravel_index(rows, outer_shape) if outer else ()
-            arrays = [n[i] for n, i in zip(outer_nodes, index, strict=True)] or [np.zeros(rows.size)]
-            most = 1 << (rows.size - 1).bit_length()
-            block = max(1, min(_BLOCK_VALUES // (nodes[level] * width), most))
+            return [n[i] for n, i in zip(outer_nodes, index, strict=True)]
 
-            def function(*a: np.ndarray) -> Estimate:
-                return _evaluate(self.model, self.quantity, outer_names, inner_name, level, a, inner_nodes)
-
-            return in_blocks(function, arrays, block, width)
-
+        evaluate = evaluator(self.model, self.quantity, outer_names, gather, inner_name, inner_nodes)
         confirm = self.quantity.confirm(self.model)
         rows = int(np.prod(outer_shape))
-        done = refine(evaluate, (rows, width), len(nodes), self.tolerance, confirm, progress)
+        levels = len(self.quantity.nodes(self.model))
+        done = refine(evaluate, (rows, width), levels, self.tolerance, confirm, progress)
 
         def in_order(values: np.ndarray) -> np.ndarray:
             """From rows to the dimensions of the grid."""
@@ -191,11 +183,7 @@ class Request:
                 return values.reshape(outer_shape)
             return np.moveaxis(values.reshape(*outer_shape, width), -1, axes.index(inner)).copy()
 
-        values = done.values
-        if self.quantity.bounded(self.model):
-            # The truth lies in [0, 1]: an end that is within the estimate is nearer to it than the value.
-            nearest = np.clip(values, 0.0, 1.0)
-            values = np.where(np.abs(nearest - values) <= done.errors, nearest, values)
+        values = within_bounds(self.model, self.quantity, done.values, done.errors)
         return Table(
             in_order(values),
             in_order(done.errors),
@@ -205,6 +193,43 @@ class Request:
             float(self.tolerance),
             {**versions(), "key": self.key},
         )
+
+
+def evaluator(
+    model: BSDF,
+    quantity_: Quantity,
+    names: tuple[str, ...],
+    gather: Callable[[np.ndarray], Sequence[np.ndarray]],
+    inner: str | None,
+    inner_nodes: np.ndarray,
+) -> Callable[[int, np.ndarray], tuple[np.ndarray, np.ndarray]]:
+    """What `refine` calls: (level, row indices) -> values and error estimates, block by block.
+
+    Args:
+        names: parameters (and mu) that differ from row to row; `gather` gives their values at row indices.
+        inner: a parameter of the Fresnel factor that takes `inner_nodes` within a row, or None.
+    """
+    nodes, width = quantity_.nodes(model), inner_nodes.size
+
+    def evaluate(level: int, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        arrays = list(gather(rows)) or [np.zeros(rows.size)]
+        most = 1 << (rows.size - 1).bit_length()
+        block = max(1, min(_BLOCK_VALUES // (nodes[level] * width), most))
+
+        def function(*a: np.ndarray) -> Estimate:
+            return _evaluate(model, quantity_, names, inner, level, a, inner_nodes)
+
+        return in_blocks(function, arrays, block, width)
+
+    return evaluate
+
+
+def within_bounds(model: BSDF, quantity_: Quantity, values: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    """Values of a quantity that is known to lie in [0, 1]: an end within the estimate is nearer to it."""
+    if not quantity_.bounded(model):
+        return values
+    nearest = np.clip(values, 0.0, 1.0)
+    return np.where(np.abs(nearest - values) <= errors, nearest, values)
 
 
 @eqx.filter_jit

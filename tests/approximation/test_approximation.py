@@ -1,6 +1,5 @@
 """Approximations: coordinates in any view, gradients, and files that read back exactly."""
 
-import dataclasses
 import json
 
 import jax
@@ -72,7 +71,7 @@ def test_a_damaged_file_is_refused(conductor: ecfit.Approximation, key: str, val
 
 def test_coefficients_must_be_finite(conductor: ecfit.Approximation):
     with pytest.raises(ecfit.EcfitError, match="finite"):
-        dataclasses.replace(conductor, coefficients=np.full(19, np.nan))
+        conductor.with_quotient(values=np.full(19, np.nan))
 
 
 # Origin and unit of each variable: what turns (r, mu) into other numbers of the same place.
@@ -90,7 +89,7 @@ def test_other_scales_are_the_same_function_with_other_coefficients(conductor: e
 def test_scaled_monomials_are_those_of_the_scaled_coordinates():
     """2 + 3 t with t = (x - 1) / 4 is 3.5 at x = 3."""
     terms = Terms(np.array([[0], [1]]), np.zeros((0, 1), dtype=int))
-    made = ecfit.Approximation(
+    made = ecfit.Approximation.quotient(
         "x", "polynomial", "1", ("r",), terms, np.array([2.0, 3.0]), ((0.0, 1.0),), Contract("m"),
         scales=((1.0, 4.0),),
     )  # fmt: skip
@@ -121,13 +120,13 @@ def test_a_file_without_scales_is_in_plain_coordinates(conductor: ecfit.Approxim
 )
 def test_scales_without_meaning_are_refused(conductor: ecfit.Approximation, scales):
     with pytest.raises(ecfit.EcfitError, match="scales"):
-        dataclasses.replace(conductor, scales=scales)
+        conductor.with_quotient(scales=scales)
 
 
 def test_an_origin_on_a_pole_is_refused():
     """1 / (1 - 2 r) has no constant 1 in its denominator at r = 1/2."""
     terms = Terms(np.array([[0]]), np.array([[1]]))
-    made = ecfit.Approximation(
+    made = ecfit.Approximation.quotient(
         "x", "rational", "0/1", ("r",), terms, np.array([1.0, -2.0]), ((0.0, 0.4),), Contract("m")
     )
     with pytest.raises(ecfit.EcfitError, match="vanishes at the new origin"):

@@ -25,7 +25,7 @@ def linear(names: tuple[str, ...], coefficients: list[float], name: str = "linea
     exponents = np.vstack([np.zeros((1, len(names)), dtype=int), np.eye(len(names), dtype=int)])
     terms = Terms(exponents, np.zeros((0, len(names)), dtype=int))
     domain = ((0.0, 1.0),) * len(names)
-    return ecfit.Approximation(
+    return ecfit.Approximation.quotient(
         name, "polynomial", "1", names, terms, np.array(coefficients), domain, Contract("conductor")
     )
 

@@ -57,7 +57,7 @@ def test_over_a_grey_base_the_rest_is_scaled():
 
 def constant(value: float, name: str) -> ecfit.Approximation:
     terms = Terms(np.zeros((1, 1), dtype=int), np.zeros((0, 1), dtype=int))
-    return ecfit.Approximation(
+    return ecfit.Approximation.quotient(
         name, "polynomial", "0", ("mu",), terms, np.array([value]), ((0.0, 1.0),), Contract("glossy")
     )
 

@@ -63,6 +63,56 @@ def test_a_rational_may_be_left_unguarded(tmp_path: Path):
     assert apart.fits[1].settings()[0] == {"numerator": 2, "denominator": 1, "guarded": False}
 
 
+FILE = """name = "q"
+[[tables]]
+name = "theirs"
+file = "theirs.exr"
+stored = "1-E"
+scale = 65535
+order = ["-mu", "r"]
+channel = "G"
+axes = { r = 32, mu = { count = 32, spacing = "texel-centre" } }
+"""
+
+
+def test_a_table_may_be_a_file(tmp_path: Path):
+    table = read(tmp_path, FILE).tables[0]
+    assert (table.model, table.file, table.stored, table.channel) == ("unknown", "theirs.exr", "1-E", "G")
+    assert table.tolerance is None
+    plain = read(tmp_path, FILE.replace('stored = "1-E"\nscale = 65535\n', "")).tables[0]
+    assert (plain.stored, plain.scale) == ("E", 1.0)
+    integrated = read(tmp_path, GOOD).tables[0]
+    assert (integrated.tolerance, integrated.stored, integrated.scale) == (1e-7, None, None)
+
+
+@pytest.mark.parametrize(
+    ("change", "line", "words"),
+    [
+        (("axes", "tolerance = 1e-6\naxes"), 2, ("tolerance belongs to what is integrated",)),
+        (('file = "theirs.exr"', 'model = "conductor"'), 2, ("stored says how a file is read", "give file")),
+        (('file = "theirs.exr"\n', ""), 2, ("model", "missing")),
+        (('file = "theirs.exr"', 'file = ""'), 4, ("file", "at least 1")),
+        (('file = "theirs.exr"', "file = 3"), 4, ("file", "string")),
+        (('"1-E"', '"1 - E"'), 5, ("stored", "E, 1-E")),
+        (("65535", "0"), 6, ("scale", "greater than 0")),
+        (("65535", "nan"), 6, ("scale",)),
+        (('["-mu", "r"]', '"mu, r"'), 7, ("order", "list")),
+        (('["-mu", "r"]', "[1, 2]"), 7, ("order", "string")),
+        (('"G"', "1"), 8, ("channel", "string")),
+        (("order", "ordre"), 7, ("ordre", "did you mean 'order'")),
+        (("texel-centre", "texel-center"), 9, ("did you mean 'texel-centre'",)),
+    ],
+)
+def test_a_fault_in_a_table_of_a_file_is_told(tmp_path: Path, change, line: int, words):
+    assert change[0] in FILE
+    with pytest.raises(EcfitError) as caught:
+        read(tmp_path, FILE.replace(*change, 1))
+    first = str(caught.value).splitlines()[0]
+    assert first.startswith(f"{tmp_path / 'study.toml'}:{line}: "), first
+    for word in words:
+        assert word in first
+
+
 def test_a_quantity_may_have_options(tmp_path: Path):
     text = 'quantity = "schlick-b"\nquantity_options = { exponent = 6 }\naxes'
     assert read(tmp_path, GOOD.replace("axes", text, 1)).tables[0].quantity_options == {"exponent": 6}
@@ -90,7 +140,7 @@ def test_a_quantity_may_have_options(tmp_path: Path):
         (("degree = [1, 2]\n", ""), 7, ("fits", "either degree, or both")),
         (('form = "rational"', 'form = "ratoinal"'), 9, ("polynomial, rational", "did you mean 'rational'")),
         (("degree = [1, 2]", "degree = 1\nguarded = 1"), 11, ("guarded", "boolean")),
-        (('form = "rational"', 'form = "polynomial"\nguarded = false'), 7, ("fits", "belongs to the form")),
+        (('form = "rational"', 'form = "polynomial"\nguarded = false'), 7, ("fits", "not belong to")),
         (("axes", "quantity_options = { exponent = 1.5 }\naxes"), 6, ("exponent", "integer")),
         (("axes", "quantity_option = {}\naxes"), 6, ("did you mean 'quantity_options'",)),
         (('tables = ["c"]', 'tables = ["d"]'), 8, ("no table 'd'", "c")),

@@ -70,7 +70,7 @@ def test_a_fit_that_calls_itself_converged_has_no_pole(make_table, unit_axis):
 def test_an_approximation_finds_the_pole_of_its_denominator():
     # Q = 1 - 2 x y vanishes on a curve that misses every corner.
     terms = Terms(np.array([[0, 0]]), np.array([[1, 1]]))
-    made = ecfit.Approximation(
+    made = ecfit.Approximation.quotient(
         "x",
         "rational",
         "0/2",

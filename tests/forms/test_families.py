@@ -75,8 +75,22 @@ def test_degrees_without_meaning_are_refused(settings):
 
 
 def test_every_named_form_can_be_made():
-    for name in forms():
-        assert form(name, degree=2).name == name
+    terms = {"numerators": [[[1, 0]]], "denominator": [[3, 0], [0, 3]]}
+    powers = {"highest": {"alpha": 2, "mu": 2}, "lowest_order": 1}
+    within = {"numerators": [powers], "denominator": {**powers, "lowest_order": 3}, "budget": 3}
+    features = {"head": "corner", "features": ["alpha", "mu"]}
+    settings = {
+        "polynomial": {"degree": 2},
+        "rational": {"degree": 2},
+        "structured": {**features, **terms},
+        "selected": {**features, **within},
+    }
+    assert settings.keys() == forms().keys()
+    names = {name: form(name, **given).name for name, given in settings.items()}
+    assert names == {
+        "polynomial": "polynomial", "rational": "rational",
+        "structured": "corner", "selected": "corner-selected",
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize(("name", "settings"), [("splines", {"degree": 3}), ("rational", {"order": 3})])

@@ -11,7 +11,7 @@ from ecfit.forms import Terms
 from ecfit.report.coefficients import compare
 
 # 1 / (1 + t) in t = (x - 0.5) / 2, as printed.
-PUBLISHED = ecfit.Approximation(
+PUBLISHED = ecfit.Approximation.quotient(
     "printed", "rational", "1", ("r",), Terms(np.array([[0], [1]]), np.array([[1]])),
     np.array([1.0, 0.0, 1.0]), ((0.0, 1.0),), Contract("unknown"), scales=((0.5, 2.0),),
 )  # fmt: skip
@@ -40,19 +40,19 @@ def test_recomputed_coefficients_are_in_the_published_scales(fits):
 def test_scales_are_told_where_they_are_not_plain(fits):
     (found,) = compare(PUBLISHED, fits)
     assert found.note == "r stands for (r - 0.5) / 2"
-    plain = dataclasses.replace(PUBLISHED, scales=((0.0, 1.0),))
+    plain = PUBLISHED.with_quotient(scales=((0.0, 1.0),))
     assert compare(plain, fits)[0].note == ""
 
 
 def test_a_fit_with_a_pole_at_the_published_origin_is_left_out(fits):
     """Its denominator has no constant 1 there."""
-    poled = dataclasses.replace(fits[0].approximation, coefficients=np.array([1.0, 0.0, -2.0]))
+    poled = fits[0].approximation.with_quotient(values=np.array([1.0, 0.0, -2.0]))
     assert compare(PUBLISHED, [dataclasses.replace(fits[0], approximation=poled)]) == []
 
 
 def test_monomials_are_written_as_they_are_printed(fits):
     terms = ecfit.Rational(2).terms(2)
-    made = ecfit.Approximation(
+    made = ecfit.Approximation.quotient(
         "p", "rational", "2", ("r", "mu"), terms, np.arange(1.0, 12.0), ((0.0, 1.0),) * 2, Contract("unknown")
     )
     (found,) = compare(made, [dataclasses.replace(fits[0], approximation=made)])

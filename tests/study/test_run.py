@@ -1,14 +1,19 @@
 """A study from its file to its results: what is written, resumed, kept and said."""
 
 import csv
+import dataclasses
 import json
 import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import ecfit
 from ecfit.study import runner
+from ecfit.workers import ONE_THREAD
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"
 
@@ -35,8 +40,17 @@ figures = ["svg"]
 """
 
 
+@pytest.fixture(scope="module", autouse=True)
+def here() -> Iterator[pytest.MonkeyPatch]:
+    """Fits in this process, where each uses what XLA compiled for the last; undone for tests of workers."""
+    with pytest.MonkeyPatch.context() as environment:
+        for name, value in ONE_THREAD.items():
+            environment.setenv(name, value)
+        yield environment
+
+
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, ecfit.Study]:
+def finished(here, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, ecfit.Study]:
     """(config, results folder, study) of the small study, run once."""
     folder = tmp_path_factory.mktemp("study")
     config = folder / "small.toml"
@@ -120,22 +134,65 @@ def test_the_resolved_config_runs_and_gives_the_same(finished, tmp_path: Path):
     assert again == files(results / "small")
 
 
-def test_a_stopped_run_keeps_what_was_finished(finished, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    config, _, _ = finished
-    calls = []
-    original = runner.write_json
+class Stop(runner.Progress):
+    """An interrupt after the second fit."""
 
-    def stop(path, data):
-        original(path, data)
-        calls.append(path)
-        if len(calls) == 2:
-            raise KeyboardInterrupt
+    @contextmanager
+    def stage(self, title: str, total: int) -> Iterator[Callable[[int], None]]:
+        done = 0
 
-    monkeypatch.setattr(runner, "write_json", stop)
+        def advance(steps: int) -> None:
+            nonlocal done
+            done += steps
+            if title == "fits" and done == 2:
+                raise KeyboardInterrupt
+
+        yield advance
+
+
+def test_a_stopped_run_keeps_what_was_finished(finished, tmp_path: Path):
+    config, results, _ = finished
+    shutil.copytree(results / "tables", tmp_path / "results" / "tables")
     with pytest.raises(KeyboardInterrupt):
-        ecfit.run(config, tmp_path / "results")
-    monkeypatch.undo()
+        ecfit.run(config, tmp_path / "results", progress=Stop())
     assert set(ecfit.run(config, tmp_path / "results").seconds) == {"fit e-rational-1"}
+
+
+def test_no_byte_depends_on_the_number_of_workers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Nor on the threads of this process: fits are computed in workers with one thread each."""
+    monkeypatch.setenv("PJRT_NPROC", "2")
+    table = 'name = "e"\nmodel = "conductor"\naxes = { r = 12, mu = 12 }\ntolerance = 1e-6'
+    other = table.replace('"e"', '"f"') + '\noptions = { masking = "height-correlated" }'
+    text = CONFIG.replace(table, f"{table}\n[[tables]]\n{other}", 1)
+    assert text.count("[[tables]]") == 2
+    config = tmp_path / "two.toml"
+    config.write_text(text.replace('tables = ["e"]', 'tables = ["f", "e"]'))
+    one = ecfit.run(config, tmp_path / "one", workers=1)
+    shutil.copytree(tmp_path / "one" / "tables", tmp_path / "two" / "tables")
+    two = ecfit.run(config, tmp_path / "two", workers=2)
+    assert files(tmp_path / "one") == files(tmp_path / "two")
+    fits = {f"fit {t}-{f}" for t in "ef" for f in ("polynomial-1", "polynomial-2", "rational-1")}
+    assert set(two.seconds) == fits
+    assert set(one.seconds) == fits | {"table e", "table f"}
+
+
+def test_a_fit_that_fails_in_a_worker_is_told(finished, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    config, results, study = finished
+    monkeypatch.setenv("PJRT_NPROC", "2")
+    shutil.copytree(results / "tables", tmp_path / "results" / "tables")
+    (path,) = (tmp_path / "results" / "tables").glob("*.npz")
+    table = study.tables["e"]
+    values = table.values.copy()
+    values[0, 0] = np.nan
+    dataclasses.replace(table, values=values).save(path)
+    with pytest.raises(ecfit.EcfitError, match=r"^fit 'e-polynomial-1': the table has 1 of 144 entries"):
+        ecfit.run(config, tmp_path / "results")
+
+
+@pytest.mark.parametrize("workers", [0, -1, 1.5, True])
+def test_a_bad_number_of_workers_is_told_before_anything_is_computed(tmp_path: Path, workers):
+    with pytest.raises(ecfit.EcfitError, match="workers must be a whole number, 1 or more"):
+        ecfit.run(tmp_path / "nowhere.toml", tmp_path / "results", workers=workers)
 
 
 def test_a_report_is_written_from_disk_alone(finished, tmp_path: Path):

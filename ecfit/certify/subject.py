@@ -1,0 +1,130 @@
+"""What is proved about an approximation: its expression, and the box over which bounds are taken.
+
+Forms in alpha and mu are proved in the corner chart (alpha = rho t, mu = rho (1 - t)), which covers the
+closed domain and in which nothing is 0 / 0. Such a form is evaluated with a cosine of at least `LEAST_MU`, so
+its values at lower cosines are among those bounded.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from ecfit.approximation import Approximation
+from ecfit.approximation.structured import StructuredFormula
+from ecfit.expressions import Node, maximum, minimum, substitute, var
+from ecfit.expressions.bounds import smallest
+from ecfit.expressions.node import inputs, replaced, topological
+from ecfit.forms import Minimum
+from ecfit.forms.corner import ChartDomain
+from ecfit.forms.features import FEATURES, chart, monomial, scaled
+from ecfit.forms.structured import LEAST_MU
+
+Box = Mapping[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Subject:
+    """An expression over a closed domain.
+
+    Attributes:
+        value: the value, in the variables of `domain.box`; alpha and mu are clipped to their ranges, as boxes
+            of the chart reach beyond the domain.
+        chart: the same without that.
+        plain: the expression as it is evaluated, in the approximation's variables.
+        divisors: (what it is called, the expression in `box`, the same in the approximation's variables or
+            None) of every division in `value`; the form's own denominator first.
+        deficit: (shared, deficit): 1 - value = shared x deficit, or None.
+        domain: the closed domain.
+        charted: whether `value` is in the corner chart.
+        floors: what has been proved of divisors; see `ecfit.expressions.bounds.smallest`.
+    """
+
+    value: Node
+    chart: Node
+    plain: Node
+    divisors: tuple[tuple[str, Node, Node | None], ...]
+    deficit: tuple[Node, Node] | None
+    domain: ChartDomain
+    charted: bool
+    floors: Mapping[Node, float] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, approximation: Approximation) -> "Subject":
+        """The subject of an approximation. Raises `EcfitError` for tables, which have no expression."""
+        ranges = dict(zip(approximation.variables, approximation.domain, strict=True))
+        plain = approximation.expression()
+        formula = approximation.formula
+        if isinstance(formula, StructuredFormula):
+            return cls._structured(formula, plain, ranges)
+        named = [("Q", q) for q in _divisors(plain)[:1]] if approximation.is_quotient else []
+        rest = [q for q in _divisors(plain) if q not in [n for _, n in named]]
+        divisors = [*named, *((f"divisor {i + 1}", q) for i, q in enumerate(rest))]
+        domain = ChartDomain(ranges, ranges)
+        return cls(plain, plain, plain, tuple((name, q, q) for name, q in divisors), None, domain, False)
+
+    @classmethod
+    def _structured(cls, formula: StructuredFormula, plain: Node, ranges: Box) -> "Subject":
+        structure = formula.structure
+        value, deficit, q = structure.chart(formula.values)
+        # The form's own Q in the expression that is evaluated, which may raise mu to `LEAST_MU`.
+        own = structure.denominator_expression(formula.values)
+        if own not in _divisors(plain):
+            own = substitute(own, {"mu": maximum(var("mu"), LEAST_MU)})
+        domain = ChartDomain.of(ranges)
+        clipped = _clipped(ranges)
+        value_, q_ = replaced(value, clipped), replaced(q, clipped)
+        divisors = [("Q'" if structure.corner else "Q", q_, own)] if q.op != "const" else []
+        rest = [n for n in _divisors(value_) if n is not q_]
+        divisors += [(f"divisor {i + 1}", n, None) for i, n in enumerate(rest)]
+        product = None
+        if deficit is not None:
+            shared = monomial(structure.head.shared, {name: scaled(name) for name in FEATURES})
+            product = replaced(shared, clipped), replaced(deficit, clipped)
+        charted = bool({"t", "rho"} & inputs(value))
+        return cls(value_, value, plain, tuple(divisors), product, domain, charted)
+
+    @cached_property
+    def roots(self) -> tuple[Node, ...]:
+        """Arguments of square roots and of powers that are not whole, all to be >= 0."""
+        found = {
+            n.args[0]: None
+            for n in topological([self.value])
+            if n.op == "sqrt" or (n.op == "pow" and n.value != int(n.value))
+        }
+        return tuple(n for n in found if n.op not in ("var", "const"))
+
+    @cached_property
+    def logarithms(self) -> tuple[Node, ...]:
+        """Arguments of logarithms, all to be > 0."""
+        return tuple({n.args[0]: None for n in topological([self.value]) if n.op == "log"})
+
+    def smallest(
+        self, node: Node, enough: float | None = None, tolerance: float = 1e-3, limit: int = 200_000
+    ) -> Minimum:
+        """The minimum of an expression in the variables of `domain.box` over the closed domain."""
+        constraint = self.domain.constraint if self.charted else None
+        return smallest(
+            node,
+            self.domain.box,
+            enough=enough,
+            tolerance=tolerance,
+            limit=limit,
+            constraint=constraint,
+            floors=self.floors,
+        )
+
+    def place(self, point: tuple[float, ...]) -> dict[str, float]:
+        """The approximation's coordinates at a point of the box."""
+        return self.domain.place(dict(zip(self.domain.box, point, strict=True)))
+
+
+def _clipped(ranges: Box) -> dict[Node, Node]:
+    """alpha and mu of the chart -> the same within their ranges."""
+    if not {"alpha", "mu"} <= set(ranges):
+        return {}
+    return {node: minimum(maximum(node, ranges[name][0]), ranges[name][1]) for name, node in chart().items()}
+
+
+def _divisors(root: Node) -> list[Node]:
+    found = {n.args[1]: None for n in topological([root]) if n.op == "div" and n.args[1].op != "const"}
+    return list(found)

@@ -1,0 +1,157 @@
+"""The least possible maximal error of a quotient: differential correction, a sequence of linear programs.
+
+Minimising the maximum of |P / Q - f| over Q > 0 is quasi-convex, so what is found is the global optimum on
+the given points: no choice of coefficients does better there, which makes it the lower bound of a form
+(Barrodale, Powell & Roberts 1972).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ecfit.errors import EcfitError
+from ecfit.fitting.descent import Descent, slopes_at
+
+# The program ends when an iteration lowers the maximum by less than this part.
+_SETTLED = 1e-6
+_PROGRAMS = 40
+# Q, of mean 1 over the rows, stays above this.
+_LEAST_Q = 1e-3
+# Rows of the first program, and the worst offenders added a round: the rest hardly ever bind.
+_ACTIVE = 1500
+_ADDED = 300
+
+
+class Minimax(NamedTuple):
+    """Coefficients, their maximal error, a lower bound of it over all coefficients, and programs solved."""
+
+    coefficients: np.ndarray
+    error: float
+    bound: float
+    converged: bool
+    programs: int
+
+
+def minimax(
+    descent: Descent,
+    support: list[list[int]],
+    leading: int,
+    start: np.ndarray,
+    *,
+    relative: bool = False,
+    rows: np.ndarray | None = None,
+) -> Minimax:
+    """The minimax fit on the rows of a descent, within the head's limits at its guards.
+
+    Args:
+        start: coefficients to begin from (with Q > 0).
+        relative: minimise the largest |E / e - 1| instead of |e - E|.
+        rows: mask of the rows that count.
+
+    Raises `EcfitError` where SciPy is missing (extra `minimax`) or the head has more than one ratio.
+    """
+    try:
+        from scipy.optimize import linprog
+    except ImportError:
+        raise EcfitError("minimax needs SciPy: pip install 'ecfit[minimax]'") from None
+    if descent.affine is None:
+        raise EcfitError(f"minimax is for heads of one ratio, not '{descent.head.name}'")
+    base, slope = descent.affine
+    keep = np.ones(len(base), dtype=bool) if rows is None else rows
+    base, slope, y = base[keep], slope[keep], descent.target.values[keep]
+    columns = [x[:, s] for x, s in zip(descent.columns, support, strict=True)]
+    p, q = (x[keep] for x in columns)
+    q0 = descent.columns[-1][keep, leading]
+    guards = descent.guard_columns[-1]
+    gq0, gq = guards[:, leading], guards[:, support[1]]
+    unit = float(q0.mean())
+    norms = np.concatenate([np.abs(p * slope[:, None]).mean(axis=0), np.abs(q).mean(axis=0)]) / unit
+    norms = np.where(norms > 0.0, norms, 1.0)
+    split = p.shape[1]
+    # Residual times Q, e Q, and Q as linear functions (constant, coefficients) of the scaled coefficients.
+    n = np.concatenate([p * slope[:, None], (base - y)[:, None] * q], axis=1) / norms, (base - y) * q0
+    e = np.concatenate([p * slope[:, None], base[:, None] * q], axis=1) / norms, base * q0
+    d = np.concatenate([np.zeros_like(p), q], axis=1) / norms, q0
+    measured = e if relative else d
+    limits = _limits(descent, support, gq0, gq, split, norms, unit)
+
+    def error_of(z: np.ndarray) -> np.ndarray:
+        return np.abs(n[0] @ z + n[1]) / (measured[0] @ z + measured[1])
+
+    z = start * norms
+    best, best_error = z, float(error_of(z).max())
+    order = np.argsort(-error_of(z))
+    active = np.unique(np.concatenate([order[:_ADDED], np.linspace(0, len(y) - 1, _ACTIVE).astype(int)]))
+    bound, programs, converged = 0.0, 0, False
+    while programs < _PROGRAMS:
+        # Differential correction on the active rows.
+        t, inner, level = z, best_error, float(error_of(z)[active].max())
+        for _ in range(_PROGRAMS):
+            weight = (measured[0] @ t + measured[1])[active]
+            rows_n, const_n = n[0][active], n[1][active]
+            rows_m, const_m = measured[0][active], measured[1][active]
+            # +-(residual Q) - level measured <= lambda weight, with lambda the last variable.
+            upper = np.concatenate(
+                [
+                    np.c_[rows_n - level * rows_m, -weight],
+                    np.c_[-rows_n - level * rows_m, -weight],
+                    np.c_[limits[0], np.zeros(len(limits[0]))],
+                ]
+            )
+            right = np.concatenate([level * const_m - const_n, level * const_m + const_n, limits[1]])
+            size = np.abs(upper).max(axis=1)
+            solved = linprog(
+                np.r_[np.zeros(len(z)), 1.0], A_ub=upper / size[:, None], b_ub=right / size,
+                bounds=[(-1e4, 1e4)] * len(z) + [(None, None)], method="highs",
+            )  # fmt: skip
+            programs += 1
+            if solved.x is None:
+                break
+            t = solved.x[:-1]
+            inner = float(error_of(t)[active].max())
+            if not inner < level * (1.0 - _SETTLED):
+                level = min(level, inner)
+                break
+            level = inner
+        # The active rows are some of all: their optimum bounds that of all from below.
+        bound = level
+        errors = error_of(t)
+        if errors.max() < best_error:
+            best, best_error = t, float(errors.max())
+        worst = np.argsort(-errors)[:_ADDED]
+        more = np.setdiff1d(worst[errors[worst] > level * (1.0 + 1e-6)], active)
+        if not len(more):
+            converged = True
+            break
+        active, z = np.union1d(active, more), best
+    return Minimax(best / norms, best_error, bound, converged, programs)
+
+
+def _limits(
+    descent: Descent,
+    support: list[list[int]],
+    gq0: np.ndarray,
+    gq: np.ndarray,
+    split: int,
+    norms: np.ndarray,
+    unit: float,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Rows A, b of A z <= b: Q above its least, and deficits (times Q) not below 0, at the guards."""
+    zeros = np.zeros((len(gq), split))
+    rows, right = [np.concatenate([zeros, -gq], axis=1) / norms], [gq0 - _LEAST_Q * unit]
+    guards = descent.guards
+    if descent.head.deficit_value is not None:
+        # A deficit linear in X is base + slope X: times Q it is linear in the coefficients.
+        found = [
+            np.asarray(
+                slopes_at(x * np.ones_like(guards.factors), guards.data, head=descent.head, deficit=True)[0]
+            )
+            for x in (0.0, 1.0)
+        ]
+        base, slope = found[0], (found[1] - found[0]) * guards.factors[0]
+        gp = descent.guard_columns[0][:, support[0]]
+        rows.append(-np.concatenate([gp * slope[:, None], gq * base[:, None]], axis=1) / norms)
+        right.append(gq0 * base)
+    stacked = np.concatenate(rows)
+    keep = np.abs(stacked).max(axis=1) > 0.0
+    return stacked[keep], np.concatenate(right)[keep]

@@ -1,0 +1,166 @@
+"""`Fit`: an approximation with an honest account of how good it is on the table it was fitted to."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ecfit._jax import jax
+from ecfit.approximation import Approximation
+from ecfit.errors import EcfitError
+from ecfit.files import read_json, write_json
+from ecfit.forms import Minimum, Terms
+from ecfit.metrics import Errors, measure, prediction_range
+from ecfit.tables import Table
+
+Array = jax.Array
+
+STATUSES = {
+    "converged": "the solver converged and the denominator is positive on the whole domain",
+    "not-converged": "the solver stopped before it converged",
+    "pole": "the denominator vanishes in the domain",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """An approximation fitted to a table, with its errors on the table's nodes.
+
+    Attributes:
+        approximation: the evaluated form; calling the fit calls it.
+        errors: MAE, RMSE, maximum with its place, over all finite entries.
+        smallest: minimum of the denominator over the whole domain.
+        prediction: (low, high) of the fit on the nodes and on a grid between them.
+        status: a name of `STATUSES`.
+        iterations: Levenberg-Marquardt steps of the chosen start, all stages.
+        starts: number of starts that were tried.
+        table_key: key of the table it was fitted to.
+    """
+
+    approximation: Approximation
+    errors: Errors
+    smallest: Minimum
+    prediction: tuple[float, float]
+    status: str
+    iterations: int
+    starts: int
+    table_key: str = ""
+
+    def __call__(self, **coordinates: Any) -> Array:
+        """The value at physical coordinates; see `Approximation.__call__`."""
+        return self.approximation(**coordinates)
+
+    @property
+    def coefficients(self) -> np.ndarray:
+        """Plain-monomial coefficients: numerator, then denominator without its constant 1."""
+        return self.approximation.coefficients
+
+    @property
+    def terms(self) -> Terms:
+        return self.approximation.terms
+
+    @property
+    def mae(self) -> float:
+        return self.errors.mae
+
+    @property
+    def rmse(self) -> float:
+        return self.errors.rmse
+
+    @property
+    def max_error(self) -> float:
+        return self.errors.max_error
+
+    @property
+    def ok(self) -> bool:
+        """Whether the fit may be used without a second look."""
+        return self.status == "converged"
+
+    def warning(self) -> str:
+        """One line that says what is wrong, or nothing."""
+        if self.status == "pole":
+            place = ", ".join(
+                f"{n} = {v:.4g}"
+                for n, v in zip(self.approximation.variables, self.smallest.place, strict=True)
+            )
+            return (
+                f"{self.approximation.name} HAS A POLE: its denominator falls to "
+                f"{self.smallest.value:.3g} at {place}; do not use it, try another degree"
+            )
+        if self.status == "not-converged":
+            return f"{self.approximation.name} DID NOT CONVERGE after {self.iterations} steps"
+        return ""
+
+    def to_dict(self) -> dict:
+        """A JSON-ready dictionary that `from_dict` reads back."""
+        return {
+            **self.approximation.to_dict(),
+            "fit": {
+                "table": self.table_key,
+                "status": self.status,
+                "iterations": self.iterations,
+                "starts": self.starts,
+                "errors": self.errors.to_dict(),
+                "smallest_denominator": {
+                    "value": self.smallest.value,
+                    "place": list(self.smallest.place),
+                    "bound": self.smallest.bound,
+                },
+                "prediction": list(self.prediction),
+            },
+        }
+
+    @classmethod
+    def from_dict(cls, data: Any, where: str = "fit") -> "Fit":
+        """Read what `to_dict` wrote; raises `EcfitError` for anything else."""
+        approximation = Approximation.from_dict(data, where)
+        try:
+            fitted = data["fit"]
+            if fitted["status"] not in STATUSES:
+                raise EcfitError(f"{where}: unknown status '{fitted['status']}'")
+            smallest = fitted["smallest_denominator"]
+            return cls(
+                approximation,
+                Errors.from_dict(fitted["errors"]),
+                Minimum(
+                    float(smallest["value"]), tuple(map(float, smallest["place"])), float(smallest["bound"])
+                ),
+                _range(fitted["prediction"]),
+                fitted["status"],
+                int(fitted["iterations"]),
+                int(fitted["starts"]),
+                str(fitted["table"]),
+            )
+        except (KeyError, TypeError, ValueError, IndexError, OverflowError) as error:
+            raise EcfitError(f"{where}: malformed fit ({type(error).__name__}: {error})") from None
+
+    def save(self, path: str | Path) -> None:
+        """Write JSON."""
+        write_json(Path(path), self.to_dict())
+
+    @classmethod
+    def load(cls, path: str | Path) -> "Fit":
+        """Read JSON written by `save`; raises `EcfitError` for anything else."""
+        return cls.from_dict(read_json(Path(path)), f"'{path}'")
+
+
+def _range(ends: Any) -> tuple[float, float]:
+    """(low, high) from JSON, where null stands for infinity."""
+    low, high = ends
+    return (-np.inf if low is None else float(low), np.inf if high is None else float(high))
+
+
+def judged(approximation: Approximation, table: Table, converged: bool, steps: int, starts: int) -> Fit:
+    """The fit of an approximation to a table: errors, smallest denominator, range, status."""
+    smallest = approximation.smallest_denominator()
+    return Fit(
+        approximation,
+        measure(approximation, table),
+        smallest,
+        prediction_range(approximation, table),
+        "pole" if smallest.bound <= 0.0 else "converged" if converged else "not-converged",
+        steps,
+        starts,
+        str(table.provenance.get("key", "")),
+    )

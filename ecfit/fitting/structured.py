@@ -1,0 +1,168 @@
+"""Fits of structured forms: a start, the norm asked for, and a look for poles on the whole domain."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ecfit.approximation import Approximation, StructuredFormula
+from ecfit.coordinates import resolve
+from ecfit.errors import EcfitError, unknown
+from ecfit.fitting.descent import Descent, Solved
+from ecfit.fitting.norms import NORMS, solve_in_norm
+from ecfit.fitting.result import Fit, judged
+from ecfit.fitting.samples import table_points
+from ecfit.fitting.search import Search
+from ecfit.fitting.selection import Plan, descent_for, select
+from ecfit.forms import Structure, head
+from ecfit.forms.candidates import chosen
+from ecfit.forms.specified import Selected, Structured
+from ecfit.tables import Table
+
+# The last descent: these forms converge in tens of steps from their start.
+_FINAL = {"rtol": 1e-8, "max_steps": 400}
+# alpha and mu of a structured form are covered to their closed ends, whatever the table's range.
+_CLOSED = {"alpha": (0.0, 1.0), "mu": (0.0, 1.0)}
+
+
+def domain_of(structure: Structure, table: Table) -> dict[str, tuple[float, float]]:
+    """The closed domain of a form fitted to a table: [0, 1] for alpha and mu, the table's for the others."""
+    points, _ = table_points(table)
+    ends = {}
+    for name in structure.variables:
+        if name not in points:
+            raise EcfitError(
+                f"the form is a function of {', '.join(structure.variables)}: the table has no {name}"
+            )
+        ends[name] = _CLOSED.get(name) or _range(table, name)
+    return ends
+
+
+def _range(table: Table, name: str) -> tuple[float, float]:
+    for axis in table.axes:
+        try:
+            low, high = (float(resolve([name], {axis.name: v})[name]) for v in (axis.low, axis.high))
+        except EcfitError:
+            continue
+        return low, high
+    raise EcfitError(f"the table has no coordinate {name}")
+
+
+def fit_structured(
+    table: Table,
+    form: Structured,
+    *,
+    name: str | None = None,
+    norm: str = "least-squares",
+    max_steps: int | None = None,
+    digits: int | None = None,
+    strength: float = 1.0,
+    ridge: float = 0.0,
+) -> Fit:
+    """Fit a form of given terms; see `ecfit.fit` for the arguments."""
+    structure = form.structure
+    _check_rows(table, structure.count)
+    descent = descent_for(structure, table, domain_of(structure, table))
+    support = [list(range(len(n))) for n in structure.numerators]
+    support.append(list(range(1, len(structure.denominator))))
+    start = _start(descent, support, form)
+    settings: dict[str, Any] = {**_FINAL, "strength": strength, "ridge": ridge}
+    if max_steps is not None:
+        settings["max_steps"] = max_steps
+    solved = solve_in_norm(descent, support, 0, start, _norm(norm), **settings)
+    return _finished(table, structure, solved, name, digits, starts=1)
+
+
+def structured_from(approximation: Approximation) -> Structured:
+    """A fitted quotient of polynomials as a structured form with its coefficients as the start.
+
+    Raises `EcfitError` where its variables are no features.
+    """
+    terms, (p, q) = approximation.terms, approximation.terms.split(approximation.coefficients)
+    constant = np.zeros((1, terms.variables))
+    structure = Structure(
+        head("ratio"),
+        approximation.variables,
+        (terms.numerator.astype(np.float64),),
+        np.concatenate([constant, terms.denominator]),
+    )
+    return Structured(structure=structure, start=tuple(np.concatenate([p, q])))
+
+
+def fit_selected(
+    table: Table,
+    form: Selected,
+    *,
+    name: str | None = None,
+    norm: str = "least-squares",
+    digits: int | None = None,
+    **settings: Any,
+) -> Fit:
+    """Search the terms of a form, then fit them; see `ecfit.fit` for the arguments."""
+    _norm(norm)
+    search = run_search(table, form)
+    found = search.best[form.budget]
+    structure = chosen(form.whole, found.support, found.leading)
+    given = Structured(structure=structure, start=tuple(found.coefficients))
+    return fit_structured(table, given, name=name, norm=norm, digits=digits, **settings)
+
+
+def run_search(table: Table, form: Selected) -> Search:
+    """All searches of a selected form; the result holds the best form of every size up to the budget."""
+    _check_rows(table, form.budget)
+    descent = descent_for(form.whole, table, domain_of(form.whole, table))
+    searches = [
+        select(descent, Plan((form.budget,), form.rounds, 1, seed=seed)) for seed in range(form.seeds)
+    ]
+    best = searches[0]
+    for other in searches[1:]:
+        best.merge(other)
+    if form.budget not in best.best:
+        raise EcfitError(
+            f"the search found no form of {form.budget} coefficients: allow more terms or rounds"
+        )
+    return best
+
+
+def _norm(name: str) -> Any:
+    if name not in NORMS:
+        raise unknown("norm", name, NORMS)
+    return NORMS[name]
+
+
+def _check_rows(table: Table, count: int) -> None:
+    if table.values.size < count:
+        raise EcfitError(
+            f"the form has {count} coefficients, but the table only {table.values.size} entries: "
+            "choose fewer terms or refine the axes"
+        )
+
+
+def _start(descent: Descent, support: list[list[int]], form: Structured) -> np.ndarray:
+    starts = [np.array(form.start)] if form.start else []
+    linearised = descent.linearised(support, 0)
+    if linearised is not None:
+        starts.append(linearised)
+    if not starts:
+        starts.append(np.full(form.structure.count, 0.1))
+    return min(starts, key=lambda c: descent.rms(support, 0, c))
+
+
+def _finished(
+    table: Table, structure: Structure, solved: Solved, name: str | None, digits: int | None, starts: int
+) -> Fit:
+    coefficients = solved.coefficients
+    if digits is not None:
+        coefficients = np.array([float(f"{c:.{digits}g}") for c in coefficients])
+    label = structure.head.name
+    ends: Mapping[str, tuple[float, float]] = domain_of(structure, table)
+    approximation = Approximation(
+        name=name or f"{label} {structure.count}",
+        form=label,
+        degree=str(structure.count),
+        variables=structure.variables,
+        formula=StructuredFormula(structure, coefficients),
+        domain=tuple(ends[v] for v in structure.variables),
+        contract=table.contract,
+    )
+    return judged(approximation, table, solved.converged, solved.steps, starts)

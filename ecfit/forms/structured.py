@@ -1,0 +1,246 @@
+"""Structured forms: a head over ratios of sparse polynomials in named features, one shared denominator."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ecfit.errors import EcfitError
+from ecfit.expressions import Node, maximum, substitute, var
+from ecfit.expressions.evaluate import NUMPY, evaluate
+from ecfit.expressions.node import const
+from ecfit.forms.features import COORDINATES, FEATURES, coordinates_of, feature, monomial, plain, scaled
+from ecfit.forms.heads import HEADS, Head, head, rho_power
+
+# At alpha = mu = 0 the forms are 0 / 0; a cosine of at least this defines them there (E = 1 at alpha = 0).
+# Half of its third power is far above the least float32.
+LEAST_MU = 1e-6
+
+# Features that are 0 / 0 there themselves.
+_AT_CORNER = frozenset({"G1", "T"})
+
+Exponents = np.ndarray
+
+
+def _exponents(rows: Any, features: Sequence[str], where: str) -> np.ndarray:
+    try:
+        array = np.array(rows, dtype=np.float64).reshape(-1, len(features))
+    except (TypeError, ValueError):
+        raise EcfitError(f"{where}: exponents must be rows of {len(features)} numbers") from None
+    if not np.all(np.isfinite(array)) or np.any(array < 0.0) or np.any(array > 64.0):
+        raise EcfitError(f"{where}: exponents must be in 0..64")
+    if len(np.unique(array, axis=0)) < len(array):
+        raise EcfitError(f"{where}: an exponent row repeats")
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """Which terms a structured form has: everything but its coefficients.
+
+    Attributes:
+        head: how the value is put together.
+        features: names of the features whose powers the terms are.
+        numerators: for each ratio of the head, exponents, shape (terms, features), multiples of 1/4.
+        denominator: exponents of the shared Q, shape (terms, features); the first has the coefficient 1.
+    """
+
+    head: Head
+    features: tuple[str, ...]
+    numerators: tuple[np.ndarray, ...]
+    denominator: np.ndarray
+
+    def __post_init__(self) -> None:
+        for name in self.features:
+            feature(name)
+        if not self.features or len(set(self.features)) < len(self.features):
+            raise EcfitError("a structured form needs features, each once")
+        if len(self.numerators) != self.head.ratios:
+            raise EcfitError(
+                f"head '{self.head.name}' needs {self.head.ratios} numerators, got {len(self.numerators)}"
+            )
+        made = tuple(_exponents(n, self.features, "numerator") for n in self.numerators)
+        denominator = _exponents(self.denominator, self.features, "denominator")
+        if not all(len(n) for n in made) or not len(denominator):
+            raise EcfitError("every numerator and the denominator need at least one term")
+        object.__setattr__(self, "numerators", made)
+        object.__setattr__(self, "denominator", denominator)
+        self.head.orders(self.ratio_orders)
+
+    @property
+    def groups(self) -> tuple[np.ndarray, ...]:
+        """Exponents of the free coefficients: the numerators, then Q without its first term."""
+        return (*self.numerators, self.denominator[1:])
+
+    @property
+    def count(self) -> int:
+        """Number of free coefficients."""
+        return sum(map(len, self.groups))
+
+    @cached_property
+    def variables(self) -> tuple[str, ...]:
+        """The coordinates that the form is a function of."""
+        return coordinates_of((*self.features, *self.head.features))
+
+    @cached_property
+    def corner(self) -> bool:
+        """Whether the form needs the corner chart: Q vanishes at alpha = mu = 0."""
+        return self._lowest(self.denominator) > 0.0
+
+    def _lowest(self, exponents: np.ndarray) -> float:
+        orders = np.array([FEATURES[f].order for f in self.features])
+        return float((exponents @ orders).min())
+
+    @cached_property
+    def group_orders(self) -> tuple[float, ...]:
+        """Lowest order at the corner of each numerator, then of Q."""
+        return tuple(self._lowest(e) for e in (*self.numerators, self.denominator))
+
+    @property
+    def ratio_orders(self) -> tuple[float, ...]:
+        *numerators, denominator = self.group_orders
+        return tuple(n - denominator for n in numerators)
+
+    def terms(self, exponents: np.ndarray, in_chart: bool, lowest: float = 0.0) -> list[Node]:
+        """The products of powers of features; in the chart, divided by rho^lowest."""
+        nodes = {f: (scaled if in_chart else plain)(f) for f in self.features}
+        orders = np.array([FEATURES[f].order for f in self.features])
+        out = []
+        for row in exponents:
+            node = monomial(dict(zip(self.features, map(float, row), strict=True)), nodes)
+            if in_chart:
+                node = node * rho_power(float(row @ orders) - lowest)
+            out.append(node)
+        return out
+
+    def split(self, coefficients: Sequence[float] | np.ndarray) -> list[np.ndarray]:
+        """Coefficients of each numerator, then of Q with its leading 1."""
+        ends = np.cumsum([len(g) for g in self.groups])
+        parts = np.split(np.asarray(coefficients, dtype=np.float64), ends[:-1])
+        parts[-1] = np.concatenate([[1.0], parts[-1]])
+        return parts
+
+    def polynomials(self, coefficients: np.ndarray, in_chart: bool = False) -> list[Node]:
+        """The numerators and Q as expressions; in the chart, each divided by its own lowest power of rho."""
+        groups = (*self.numerators, self.denominator)
+        out = []
+        for exponents, values, lowest in zip(
+            groups, self.split(coefficients), self.group_orders, strict=True
+        ):
+            nodes = self.terms(exponents, in_chart, lowest)
+            total: Node | None = None
+            for c, node in zip(values, nodes, strict=True):
+                part = node * float(c) if node.op != "const" else const(float(c) * node.value)
+                total = part if total is None else total + part
+            assert total is not None
+            out.append(total)
+        return out
+
+    def expression(self, coefficients: np.ndarray) -> Node:
+        """The value in the coordinates, defined on the whole closed domain."""
+        *numerators, q = self.polynomials(coefficients)
+        value = self.head.expression([p / q for p in numerators])
+        if self.corner or not _AT_CORNER.isdisjoint((*self.features, *self.head.features)):
+            value = substitute(value, {"mu": maximum(var("mu"), LEAST_MU)})
+        return value
+
+    def denominator_expression(self, coefficients: np.ndarray) -> Node:
+        """Q in the coordinates."""
+        return self.polynomials(coefficients)[-1]
+
+    def chart(self, coefficients: np.ndarray) -> tuple[Node, Node | None, Node]:
+        """Value, deficit (where there is one) and Q' in the corner chart (t, rho and other coordinates)."""
+        *numerators, q = self.polynomials(coefficients, in_chart=True)
+        value, deficit = self.head.in_chart([p / q for p in numerators], self.ratio_orders)
+        return value, deficit, q
+
+    def columns(self, points: Mapping[str, np.ndarray]) -> list[np.ndarray]:
+        """Values of all terms in the chart at points, one array (rows, terms) a numerator and Q."""
+        inputs = chart_points(points)
+        groups = (*self.numerators, self.denominator)
+        nodes = [self.terms(e, True, low) for e, low in zip(groups, self.group_orders, strict=True)]
+        return [_stack(n, inputs) for n in nodes]
+
+    def factors(self, points: Mapping[str, np.ndarray], deficit: bool = False) -> np.ndarray:
+        """What multiplies each P_i' / Q' at points, shape (ratios, rows); see `Head.chart_factors`."""
+        nodes = self.head.chart_factors(self.ratio_orders, deficit)
+        return _stack(nodes, chart_points(points)).T
+
+    def data(self, points: Mapping[str, np.ndarray]) -> np.ndarray:
+        """The features that the head's formulas name at points, shape (names, rows)."""
+        inputs = chart_points(points)
+        return _stack([*self.head.chart_inputs(), var("rho")], inputs).T[:-1]
+
+    def without_unused(self) -> "Structure":
+        """The same with features that no term uses dropped."""
+        used = [
+            any(np.any(e[:, i] > 0) for e in (*self.numerators, self.denominator))
+            for i in range(len(self.features))
+        ]
+        return replace(
+            self,
+            features=tuple(f for f, u in zip(self.features, used, strict=True) if u),
+            numerators=tuple(n[:, used] for n in self.numerators),
+            denominator=self.denominator[:, used],
+        )
+
+    def to_dict(self) -> dict:
+        """A JSON-ready dictionary that `from_dict` reads back."""
+        return {
+            "head": head_to_dict(self.head),
+            "features": list(self.features),
+            "numerators": [n.tolist() for n in self.numerators],
+            "denominator": self.denominator.tolist(),
+        }
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> "Structure":
+        """The inverse of `to_dict`. Raises `EcfitError`, KeyError or TypeError for anything else."""
+        features = tuple(str(f) for f in data["features"])
+        numerators = tuple(_exponents(n, features, "numerator") for n in data["numerators"])
+        return cls(head_from(data["head"]), features, numerators, np.asarray(data["denominator"]))
+
+
+def head_to_dict(found: Head) -> Any:
+    """A named head as its name, any other as a mapping."""
+    return found.name if HEADS.get(found.name) is found else asdict(found)
+
+
+def head_from(data: Any) -> Head:
+    """A head from its name or from a mapping of its fields. Raises `EcfitError` for anything else."""
+    if isinstance(data, Head):
+        return data
+    if isinstance(data, str):
+        return head(data)
+    if not isinstance(data, Mapping):
+        raise EcfitError(f"a head is a name or a table of its fields, got {data!r}")
+    given = dict(data)
+    try:
+        given["factors"] = tuple(dict(f) for f in given["factors"])
+        given["lets"] = tuple((str(n), str(t)) for n, t in given.get("lets", ()))
+        return Head(**given)
+    except (KeyError, TypeError, ValueError) as error:
+        raise EcfitError(f"malformed head ({error})") from None
+
+
+def chart_points(points: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Points given in the coordinates (with alpha and mu, or neither), in the corner chart.
+
+    At alpha = mu = 0 every direction is a limit; t = 1 (mu = 0 first) is taken.
+    """
+    out = {n: np.asarray(p, dtype=np.float64) for n, p in points.items() if n in COORDINATES}
+    alpha, mu = out.get("alpha", np.zeros(1)), out.get("mu", np.zeros(1))
+    rho = alpha + mu
+    with np.errstate(invalid="ignore", divide="ignore"):
+        out["t"] = np.where(rho > 0.0, alpha / rho, 1.0)
+    out["rho"] = rho
+    return out
+
+
+def _stack(nodes: Sequence[Node], inputs: Mapping[str, np.ndarray]) -> np.ndarray:
+    shape = np.broadcast_shapes(*(v.shape for v in inputs.values()))
+    values = evaluate(nodes, inputs, NUMPY, float)
+    return np.stack([np.broadcast_to(v, shape) for v in values], axis=-1)

@@ -1,0 +1,126 @@
+"""The fits of a study: one file each, computed by worker processes, a table each."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from ecfit.errors import EcfitError
+from ecfit.files import read_json, write_json
+from ecfit.fitting import Fit, Fitter
+from ecfit.study.plan import Plan, PlannedFit
+from ecfit.study.plugins import load_plugins
+from ecfit.tables import Table
+from ecfit.tables.tabulate import versions
+from ecfit.workers import run_tasks, tell
+
+
+def fit_path(planned: PlannedFit, folder: Path) -> Path:
+    """The file of a fit in a study's folder."""
+    return folder / "fits" / f"{planned.label}.json"
+
+
+def stored_fit(planned: PlannedFit, folder: Path) -> Fit | None:
+    """The fit on disk, where it is the planned one."""
+    path = fit_path(planned, folder)
+    if not path.exists():
+        return None
+    try:
+        data = read_json(path)
+        return Fit.from_dict(data, f"'{path}'") if data.get("key") == planned.key else None
+    except (EcfitError, AttributeError):
+        return None  # damaged: computed again and replaced
+
+
+def load_fits(plan: Plan, folder: Path) -> dict[str, list[Fit]]:
+    """All fits of a finished study by table, in the order of the file; `EcfitError` where one is missing."""
+    fits: dict[str, list[Fit]] = {name: [] for name in plan.requests}
+    for planned in plan.fits:
+        found = stored_fit(planned, folder)
+        if found is None:
+            raise EcfitError(f"fit '{planned.label}' is missing in '{folder}': run the study first")
+        fits[planned.table].append(found)
+    return fits
+
+
+@dataclass(frozen=True)
+class TableFits:
+    """What one worker does: forms to fit to one table, in order, since each helps the next larger one."""
+
+    table: Path
+    folder: Path
+    fits: tuple[PlannedFit, ...]
+    cost: float
+
+
+def compute_fits(
+    plan: Plan,
+    base: Path,
+    folder: Path,
+    tables: Mapping[str, Path],
+    seconds: dict[str, float],
+    advance: Callable[[int], None],
+    workers: int,
+) -> None:
+    """Compute the fits that are not on disk yet, tables side by side.
+
+    Args:
+        plan: the study.
+        base: where its plugins are.
+        folder: of its results.
+        tables: files of its tables, by name.
+        seconds: given `fit label` -> wall seconds of what was computed.
+        advance: called with the number of fits that were found or finished since the last call.
+        workers: processes at most.
+
+    Raises `EcfitError` as `ecfit.fit` does; other fits keep their files.
+    """
+    missing = [planned for planned in plan.fits if stored_fit(planned, folder) is None]
+    tasks = []
+    for name, path in tables.items():
+        fits = tuple(planned for planned in missing if planned.table == name)
+        if fits:
+            tasks.append(TableFits(path, folder, fits, _cost(fits, len(plan.requests[name].grid.axes))))
+    took: dict[str, float] = {}
+    advance(len(plan.fits) - len(missing))
+
+    def heard(message: tuple[str, float]) -> None:
+        took.update([message])
+        advance(1)
+
+    run_tasks(
+        _fit_table,
+        tasks,
+        workers=workers,
+        costs=[task.cost for task in tasks],
+        names=[f"fits of table '{task.fits[0].table}'" for task in tasks],
+        heard=heard,
+        prepare=partial(load_plugins, plan.config.plugins, base.resolve()),
+    )
+    seconds |= {f"fit {f.label}": took[f.label] for f in missing if f.label in took}
+
+
+def _cost(fits: tuple[PlannedFit, ...], variables: int) -> float:
+    """A guess at the time: descents work on squares of the number of coefficients; linear fits take none."""
+    return float(sum(f.form.count(variables) ** 2 for f in fits if not f.form.linear))
+
+
+def _fit_table(task: TableFits) -> None:
+    """Compute the fits of one table; each is written, then told, as soon as it is finished."""
+    fitter = Fitter(Table.load(task.table))
+    for planned in task.fits:
+        # Finished already where a worker died over this task; its time was told then.
+        if stored_fit(planned, task.folder) is None:
+            started = time.perf_counter()
+            _fit(fitter, planned, task.folder)
+            tell((planned.label, time.perf_counter() - started))
+
+
+def _fit(fitter: Fitter, planned: PlannedFit, folder: Path) -> None:
+    try:
+        fit = fitter.fit(planned.form, planned.name, **planned.settings)
+    except EcfitError as error:
+        raise EcfitError(f"fit '{planned.label}': {error}") from None
+    provenance = {**versions(), "table": str(fitter.table.provenance.get("key", ""))}
+    write_json(fit_path(planned, folder), {"key": planned.key, **fit.to_dict(), "provenance": provenance})
