@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from ecfit.forms import Rational as Rational
     from ecfit.forms import Selected as Selected
     from ecfit.forms import Structured as Structured
+    from ecfit.forms import register_form as register_form
     from ecfit.quantities import directional_albedo as directional_albedo
     from ecfit.study import Study as Study
     from ecfit.study import run as run
@@ -63,6 +64,7 @@ _HOME = {
     "Rational": "ecfit.forms",
     "Selected": "ecfit.forms",
     "Structured": "ecfit.forms",
+    "register_form": "ecfit.forms",
     "directional_albedo": "ecfit.quantities",
     "Study": "ecfit.study",
     "run": "ecfit.study",

@@ -347,6 +347,40 @@ def certify(fit: str, *, samples: int = 20_000, seed: int = 1, output: Path | No
         raise SystemExit(1)
 
 
+@app.command
+def ship(config: Path, *, output: Path, results: Path = Path("results"), samples: int = 20_000) -> None:
+    """Certify the named fits of a finished study and write those that are granted, one file each.
+
+    Exits with 1 where a fit is refused.
+
+    Parameters
+    ----------
+    config
+        The study's TOML file; fits are shipped that have a name there.
+    output
+        Folder for the files; a name that is there with other coefficients is refused.
+    results
+        Folder for all studies.
+    samples
+        Random points at which the models are integrated.
+    """
+    from ecfit.config import read_config
+
+    read_config(config)
+    from ecfit.study import load, make_plan
+    from ecfit.study.ship import Shipment
+    from ecfit.study.ship import ship as ship_
+
+    study = load(config, results)
+
+    def told(shipment: Shipment) -> None:
+        print("\n".join([*shipment.certificate.describe(), f"  {shipment.outcome}"]), flush=True)
+
+    done = ship_(make_plan(study.config, config.parent), study.fits, output, samples=samples, told=told)
+    if not all(shipment.shipped for shipment in done):
+        raise SystemExit(1)
+
+
 @app.command(name="check-bsdf")
 def check_bsdf(model: str, *, option: Options = (), plugin: Plugins = (), samples: int = 500) -> None:
     """Check a model: finite, non-negative, reciprocal, energy <= 1, clean under jit, vmap and grad.
@@ -375,11 +409,11 @@ def check_bsdf(model: str, *, option: Options = (), plugin: Plugins = (), sample
 @app.command(name="list")
 def list_(*, plugin: Plugins = ()) -> None:
     """List models with their options and parameters, quantities, forms, spacings and published fits."""
-    from ecfit.approximation import published, published_names
+    from ecfit.approximation import published, published_names, shipped
     from ecfit.bsdf import models
     from ecfit.contract import QUANTITIES
     from ecfit.coordinates import SPACINGS, VIEWS
-    from ecfit.forms import forms
+    from ecfit.forms import forms, registered_forms
     from ecfit.study.plugins import load_plugins
 
     load_plugins(plugin, Path())
@@ -397,9 +431,19 @@ def list_(*, plugin: Plugins = ()) -> None:
     print("forms")
     for name, cls in forms().items():
         print(f"  {name}: {(cls.__doc__ or '').strip().splitlines()[0]}")
+    print('modules (form = "module")')
+    for name, made in sorted(registered_forms().items()):
+        print(f"  {name}: {(made.__doc__ or '').strip().partition(chr(10))[0]}")
     print("spacings")
     for name, text in SPACINGS.items():
         print(f"  {name}: {text}")
+    print("shipped fits")
+    for name in shipped():
+        found = shipped(name)
+        ends = ", ".join(
+            f"{v} in [{a:g}, {b:g}]" for v, (a, b) in zip(found.variables, found.domain, strict=True)
+        )
+        print(f"  {name}: {found.contract.model}, {found.contract.quantity}, {ends}")
     print("published fits")
     for name in published_names():
         print(f"  {name}: {published(name).source}")

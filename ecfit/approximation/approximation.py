@@ -10,6 +10,7 @@ from ecfit._jax import jax, jnp
 from ecfit.approximation.composed import Composed
 from ecfit.approximation.formula import Formula, Quotient
 from ecfit.approximation.lookup import Lookup
+from ecfit.approximation.module import ModuleFormula
 from ecfit.approximation.structured import StructuredFormula
 from ecfit.approximation.written import Written
 from ecfit.contract import Contract
@@ -21,7 +22,9 @@ from ecfit.tables import Table
 
 Array = jax.Array
 
-KINDS: dict[str, Any] = {k.kind: k for k in (Quotient, StructuredFormula, Written, Lookup, Composed)}
+KINDS: dict[str, Any] = {
+    k.kind: k for k in (Quotient, StructuredFormula, Written, Lookup, Composed, ModuleFormula)
+}
 
 
 @dataclass(frozen=True, eq=False)

@@ -43,7 +43,12 @@ class Composed(Formula):
     parts: tuple[Part, ...]
 
     def __post_init__(self) -> None:
+        names = [part.name for part in self.parts]
+        if not names or len(set(names)) < len(names):
+            raise EcfitError("a composed formula needs parts, each name once")
         for part in self.parts:
+            if len(part.variables) != part.formula.variables:
+                raise EcfitError(f"part '{part.name}' is a function of {part.formula.variables} variables")
             if not set(part.variables) <= set(self.names):
                 raise EcfitError(f"part '{part.name}' is a function of more than {', '.join(self.names)}")
         _ = self._expression

@@ -21,8 +21,8 @@ _BLOCK = 65_536
 class Formula(abc.ABC):
     """A function of a few variables, with the numbers that it is made of.
 
-    Final classes: `Quotient`, `StructuredFormula`, `Written`, `Lookup`. Each has a `kind`, the word that
-    files use.
+    Final classes: `Quotient`, `StructuredFormula`, `Written`, `Lookup`, `Composed`, `ModuleFormula`. Each
+    has a `kind`, the word that files use.
     """
 
     kind: ClassVar[str]

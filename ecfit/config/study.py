@@ -193,8 +193,18 @@ _FORM_KEYS = {
     "rational": ("degree", "numerator", "denominator", "guarded"),
     "structured": ("head", "features", "terms", "start"),
     "selected": ("head", "features", "within", "budget", "rounds", "seeds"),
+    "module": ("module", "module_settings"),
 }
-_OPTIONAL_KEYS = ("degree", "numerator", "denominator", "guarded", "start", "rounds", "seeds")
+_OPTIONAL_KEYS = (
+    "degree", "numerator", "denominator", "guarded", "start", "rounds", "seeds", "module_settings",
+)  # fmt: skip
+# Keys of a fit that a module does not take: it is fitted by least squares.
+_NOT_OF_MODULES = ("norm", "strength", "ridge", "monotone")
+
+
+def _written(key: str) -> str:
+    """A field's key in the file."""
+    return FitsConfig.model_fields[key].alias or key
 
 
 class FitsConfig(_Section):
@@ -202,7 +212,8 @@ class FitsConfig(_Section):
 
     tables: Annotated[list[str], Field(min_length=1, description="names of tables")]
     form: Annotated[
-        Literal["polynomial", "rational", "structured", "selected"], Field(description="family of functions")
+        Literal["polynomial", "rational", "structured", "selected", "module"],
+        Field(description="family of functions"),
     ]
     name: Annotated[
         Word | None, Field(description="of the fit; made of table, form and degree by default")
@@ -223,20 +234,38 @@ class FitsConfig(_Section):
     seeds: Annotated[
         int, Field(ge=1, le=1000, description="selected: searches, the best of which is kept")
     ] = 1
+    module: Annotated[
+        str | None, Field(min_length=1, description="module: a registered name, or one from plugins")
+    ] = None
+    # `settings` in the file; the name here is taken by the method.
+    module_settings: Annotated[
+        dict[str, Any] | None, Field(alias="settings", description="module: what it is made with")
+    ] = None
     norm: Annotated[NormName, Field(description="what best means")] = "least-squares"
     digits: Annotated[int | None, Field(ge=3, le=17, description="coefficients rounded to these")] = None
     strength: Annotated[float, Field(ge=0.0, description="weight of what exceeds the form's limits")] = 1.0
     ridge: Annotated[float, Field(ge=0.0, description="weight of the coefficients' sizes")] = 0.0
+    weights: Annotated[
+        dict[str, float] | None,
+        Field(min_length=1, description="coordinate = power: entries weigh coordinate^power"),
+    ] = None
+    monotone: Annotated[
+        dict[str, Literal[1, -1]] | None,
+        Field(min_length=1, description="coordinate = 1 (does not fall) or -1 (does not rise)"),
+    ] = None
 
     @model_validator(mode="after")
     def _keys(self) -> "FitsConfig":
         needs = _FORM_KEYS[self.form]
         for key in sorted(set().union(*_FORM_KEYS.values()) - set(needs)):
             if getattr(self, key) != type(self).model_fields[key].default:
-                raise ValueError(f"{key} does not belong to the form '{self.form}'")
+                raise ValueError(f"{_written(key)} does not belong to the form '{self.form}'")
         for key in needs:
             if key not in _OPTIONAL_KEYS and getattr(self, key) is None:
                 raise ValueError(f"the form '{self.form}' needs {key}")
+        for key in _NOT_OF_MODULES:
+            if self.form == "module" and getattr(self, key) != type(self).model_fields[key].default:
+                raise ValueError(f"{key} does not belong to the form 'module': it is fitted by least squares")
         if self.name is not None and (len(self.tables) > 1 or len(self.settings()) > 1):
             raise ValueError("a name is for one fit: give one table and one degree or budget")
         return self
@@ -258,6 +287,8 @@ class FitsConfig(_Section):
 
     def settings(self) -> list[dict[str, Any]]:
         """The form's settings of each fit, in the order of the file."""
+        if self.module is not None:
+            return [{"module": self.module, "settings": self.module_settings or {}}]
         if self.terms is not None:
             terms = {"numerators": self.terms.numerators, "denominator": self.terms.denominator}
             return [{"head": self.head, "features": self.features, **terms, "start": self.start or ()}]
@@ -275,9 +306,9 @@ class FitsConfig(_Section):
 
     def norm_settings(self) -> dict[str, Any]:
         """How each is fitted, where that is not plain least squares."""
-        chosen = {"norm": self.norm, "digits": self.digits, "strength": self.strength, "ridge": self.ridge}
-        usual = {"norm": "least-squares", "digits": None, "strength": 1.0, "ridge": 0.0}
-        return {key: value for key, value in chosen.items() if value != usual[key]}
+        keys = ("norm", "digits", "strength", "ridge", "weights", "monotone")
+        usual = {key: type(self).model_fields[key].default for key in keys}
+        return {key: getattr(self, key) for key in keys if getattr(self, key) != usual[key]}
 
     def _degree_settings(self) -> list[dict[str, Any]]:
         rest: dict[str, int | bool] = {} if self.guarded else {"guarded": False}
@@ -449,7 +480,7 @@ def _keys_at(location: Sequence[str | int]) -> list[str]:
         # Indices, and names of a dictionary's entries, lead to no other section.
         if isinstance(part, str) and part in section.model_fields:
             section = _section_in(section.model_fields[part].annotation) or section
-    return list(section.model_fields)
+    return [field.alias or name for name, field in section.model_fields.items()]
 
 
 def _section_in(annotation: Any) -> Any:

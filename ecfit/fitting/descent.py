@@ -1,7 +1,8 @@
 """Levenberg-Marquardt for structured forms: any head, any number of ratios over one denominator.
 
 As in `solver.py`, Optimistix sees the residual r and its Jacobian J only through J'J, J'r and r'r, handed
-over as an equivalent problem with one row a coefficient. A step into Q <= 0, on rows or guards, is refused.
+over as an equivalent problem with one row a coefficient. A step into Q <= 0 on the rows is refused; at
+guards it is penalised.
 """
 
 from functools import cached_property, partial
@@ -18,11 +19,14 @@ from ecfit.forms.heads import Head
 Array = jax.Array
 
 # Residual reported for a refused step: far above any true one, far from overflow.
-_REFUSED = 1e6
+REFUSED = 1e6
 # Q's leading term has the mean 1 over the rows: below this Q counts as a pole, and below the second it is
 # penalised at the guards.
 _LEAST_Q = 1e-5
 _GUARDED_Q = 2e-3
+# A guard where Q vanishes then weighs as much as a residual of 0.1 at one of as many rows: more than any fit
+# is worth.
+_GUARD_WEIGHT = 0.1 / _GUARDED_Q
 # Rounds of the linearised start: it settles in a few or not at all.
 _LINEARISED = 12
 # A column whose square is less than this part outside the span of the others adds nothing.
@@ -51,6 +55,20 @@ class Target(NamedTuple):
     weights: np.ndarray
 
 
+class Pairs(NamedTuple):
+    """Pairs of points at which the value should not fall from the first to the second.
+
+    Attributes:
+        rows, columns: of all points, as those of a target.
+        low, high: indices of the points of each pair.
+    """
+
+    rows: Rows
+    columns: list[np.ndarray]
+    low: np.ndarray
+    high: np.ndarray
+
+
 class Solved(NamedTuple):
     """Coefficients, the weighted RMS residual with and without penalties, whether it converged, steps."""
 
@@ -64,7 +82,7 @@ class Solved(NamedTuple):
 @partial(jax.jit, static_argnames=("head", "max_steps"))
 def _descend(
     z0, columns, q0, rows, values, root_w, guards, guard_q0, guard_rows, groups, rtol, strength, least,
-    ridge, *, head, max_steps,
+    ridge, pairs=None, *, head, max_steps,
 ):  # fmt: skip
     """Minimise; `columns` and `guards` are scaled so that their coefficients are of order 1."""
 
@@ -98,7 +116,7 @@ def _descend(
         gram = block.T @ block
         gp, gq = sums(z, guards, guard_q0)
         # Soft at the guards: a refusal there would end descents at the first touch of the boundary.
-        low = strength * (gq < _GUARDED_Q)
+        low = jnp.where(gq < _GUARDED_Q, _GUARD_WEIGHT * strength, 0.0)
         block = jnp.concatenate(
             [guards * groups[:, -1] * low[:, None], (low * (gq - _GUARDED_Q))[:, None]], axis=1
         )
@@ -113,16 +131,32 @@ def _descend(
 
             low = d(gx)
             slopes = jnp.stack(slopes_of(d, gx)) * guard_rows.factors
-            on = strength * (low < least)
+            on = jnp.where(low < least, strength, 0.0)
             jac = jacobian(guards, slopes, gratios, gq) * on[:, None]
             block = jnp.concatenate([jac, (on * (low - least))[:, None]], axis=1)
+            gram = gram + block.T @ block
+        if pairs is not None:
+            # Differences of the value between the points of pairs, where they are below 0.
+            columns_, q0_, rows_, low, high, weight = pairs
+            pp, pq = sums(z, columns_, q0_)
+            pq = jnp.maximum(pq, _GUARDED_Q)
+            px = rows_.factors * (pp / pq)
+
+            def at_pairs(x):
+                return evaluated(head.value, x, rows_.data)
+
+            slopes = jnp.stack(slopes_of(at_pairs, px)) * rows_.factors
+            found, jac = at_pairs(px), jacobian(columns_, slopes, pp / pq, pq)
+            fall = found[high] - found[low]
+            on = jnp.where(fall < 0.0, weight, 0.0)
+            block = jnp.concatenate([(jac[high] - jac[low]) * on[:, None], (on * fall)[:, None]], axis=1)
             gram = gram + block.T @ block
         n = z.shape[0]
         gram = gram + ridge**2 * jnp.pad(jnp.eye(n), (0, 1))
         gram = gram.at[:n, n].add(ridge**2 * z).at[n, :n].add(ridge**2 * z).at[n, n].add(ridge**2 * (z @ z))
         eigenvalues, vectors = jnp.linalg.eigh(gram)
         s = jnp.sqrt(jnp.maximum(eigenvalues, 0.0))[:, None] * vectors.T
-        return jnp.where(jnp.min(q) > _LEAST_Q, s[:, -1], _REFUSED), s[:, :-1]
+        return jnp.where(jnp.min(q) > _LEAST_Q, s[:, -1], REFUSED), s[:, :-1]
 
     @jax.custom_jvp
     def residual(z):
@@ -152,6 +186,8 @@ class Descent:
             and Q.
         guards, guard_columns: points where Q > 0 and the head's limits are held.
         strength: weight of what falls below the limits, in units of the target's RMS residual.
+
+    `pairs`, where they are set, are held monotone by a penalty: `pair_weight` times the RMS fall over them.
     """
 
     def __init__(
@@ -165,6 +201,8 @@ class Descent:
         self.head, self.target, self.guards = head, target, guards
         self.columns, self.guard_columns = columns, guard_columns
         self.root_w = np.sqrt(target.weights / target.weights.sum())
+        self.pairs: Pairs | None = None
+        self.pair_weight = 1.0
 
     def solve(
         self,
@@ -215,10 +253,28 @@ class Descent:
             strength / np.sqrt(len(gq0)),
             least,
             ridge,
+            self._pairs(support, leading, norms, unit, padded),
             head=self.head,
             max_steps=max_steps,
         )
         return Solved(np.asarray(z)[:n] / norms, float(rms), float(objective), bool(converged), int(steps))
+
+    def _pairs(
+        self, support: list[list[int]], leading: int, norms: np.ndarray, unit: float, padded: int
+    ) -> tuple | None:
+        """The pairs as `_descend` takes them: scaled, padded, with their weight."""
+        if self.pairs is None:
+            return None
+        rows, columns, low, high = self.pairs
+        x = np.concatenate([c[:, s] for c, s in zip(columns, support, strict=True)], axis=1)
+        scaled = np.pad(x / (norms * unit), [(0, 0), (0, padded - x.shape[1])])
+        return scaled, columns[-1][:, leading] / unit, rows, low, high, self.pair_weight / np.sqrt(len(low))
+
+    def least_difference(self, support: list[list[int]], leading: int, c: np.ndarray) -> float:
+        """The least growth of the value over all pairs: below 0 it falls."""
+        assert self.pairs is not None
+        value = self._value(self.pairs.columns, self.pairs.rows, support, leading, c)[0]
+        return float(np.min(value[self.pairs.high] - value[self.pairs.low]))
 
     @cached_property
     def affine(self) -> tuple[np.ndarray, np.ndarray] | None:
@@ -243,7 +299,8 @@ class Descent:
         guards = self.guard_columns[-1][:, support[1]]
         y = self.target.values - base
         a = np.concatenate([p * slope[:, None], -q * y[:, None]], axis=1)
-        weight, best, out = self.root_w / q0, np.inf, None
+        # As below: Q's leading term alone may vanish at some rows.
+        weight, best, out = self.root_w / np.maximum(q0, 1e-2 * q0.mean()), np.inf, None
         for _ in range(_LINEARISED):
             rows = a * weight[:, None]
             norms = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
@@ -279,7 +336,8 @@ class Descent:
         ends = np.cumsum([len(s) for s in support])[:-1]
         parts = [x[:, s] @ k for x, s, k in zip(columns, support, np.split(c, ends), strict=True)]
         q = columns[-1][:, leading] + parts[-1]
-        ratios = np.stack(parts[:-1]) / q
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios = np.stack(parts[:-1]) / q
         value, slopes = slopes_at(rows.factors * ratios, rows.data, head=self.head)
         return np.asarray(value), np.asarray(slopes) * rows.factors, ratios, q
 

@@ -1,19 +1,25 @@
 """`fit`: from a table and a form to coefficients with an honest account of how good they are."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+import equinox as eqx
 import numpy as np
 
 from ecfit.approximation import Approximation
 from ecfit.coordinates import Grid
 from ecfit.errors import EcfitError
+from ecfit.fitting.module_fit import fit_module
+from ecfit.fitting.monotone import directions
 from ecfit.fitting.problem import Problem
 from ecfit.fitting.result import Fit, judged
+from ecfit.fitting.samples import check_coordinates
 from ecfit.fitting.solver import Solution, linear_solution, mean_square, solve
 from ecfit.fitting.start import embedded, lifted_start, ones_start, polynomial_start, sanathanan_koerner
-from ecfit.fitting.structured import fit_selected, fit_structured, structured_from
-from ecfit.forms import Form, Selected, Structured, TermsForm, smallest_denominator
+from ecfit.fitting.structured import check_settings, fit_selected, fit_structured, structured_from
+from ecfit.fitting.weights import check_powers
+from ecfit.forms import Form, ModuleForm, Selected, Structured, TermsForm, smallest_denominator
 from ecfit.tables import Table
 
 # Nodes an axis of the search for the minimum, and of its last steps. Smooth residuals need few: the RMSE on
@@ -36,6 +42,8 @@ _FINAL_RTOL = 1e-6
 _FINAL_STEPS = 40_000
 # Rounds of guarding the place of a pole that was found between the guards.
 _WATCHES = 6
+# What a fit of a module may be asked for; other forms also take a norm, ...
+_MODULE_SETTINGS = ("weights", "digits")
 
 
 class Fitter:
@@ -48,16 +56,22 @@ class Fitter:
         self.max_steps = max_steps
         self._solved: dict[tuple[str, str], tuple[Problem, Solution, int]] = {}
 
-    def fit(self, form: Form, name: str | None = None, **settings: Any) -> Fit:
+    def fit(self, form: Form | eqx.Module, name: str | None = None, **settings: Any) -> Fit:
         """See `ecfit.fit`."""
         _check_finite(self.table)
+        if isinstance(form, eqx.Module) and not isinstance(form, Form) and callable(form):
+            form = ModuleForm(form)
+        check_asked(form, settings, self.table.names)
+        if isinstance(form, ModuleForm):
+            return fit_module(self.table, form, name=name, max_steps=self.max_steps, **settings)
         if isinstance(form, Structured):
             return fit_structured(self.table, form, name=name, max_steps=self.max_steps, **settings)
         if isinstance(form, Selected):
             return fit_selected(self.table, form, name=name, max_steps=self.max_steps, **settings)
         if not isinstance(form, TermsForm):
             raise EcfitError(
-                f"fit expects a form such as ecfit.Rational(degree=3), got {type(form).__name__}"
+                "fit expects a form such as ecfit.Rational(degree=3), or an equinox.Module with __call__, "
+                f"got {type(form).__name__}"
             )
         check_data(self.table.grid, form)
         found = self._fit_terms(form, name)
@@ -188,7 +202,7 @@ def _pole(problem: Problem, solution: Solution) -> tuple[float, ...] | None:
 
 def fit(
     table: Table,
-    form: Form,
+    form: Form | eqx.Module,
     *,
     name: str | None = None,
     max_steps: int | None = None,
@@ -198,23 +212,41 @@ def fit(
 
     Args:
         table: what to approximate; clamped axes are seen at their nominal coordinates.
-        form: `ecfit.Polynomial(degree)`, `ecfit.Rational(degree)`, `ecfit.Structured(...)`, ...
+        form: `ecfit.Polynomial(degree)`, `ecfit.Rational(degree)`, `ecfit.Structured(...)`, ..., or any
+            Equinox module that is called with the coordinates (see `ecfit.forms.ModuleForm`).
         name: for reports; made of form and degree by default.
         max_steps: bound on the last Levenberg-Marquardt descent, from the best start; by default 300 to 1000,
             fewer for more coefficients.
         settings: for any norm but least squares over equal weights:
             norm: a name of `ecfit.fitting.NORMS` ("least-squares", "l1", "minimax", "furnace-mean", ...);
-            weights: of the entries, in the measure of the mean, the table's shape;
+            weights: of the entries in the norm's mean, an array of the table's shape, or coordinate -> power
+                ({"mu": 1} weights with mu); maximum norms only leave out entries of weight 0;
             digits: significant digits that the coefficients are rounded to;
             strength: weight of what exceeds the form's limits (E <= 1, E >= 0);
             ridge: weight of the size of the coefficients;
-            monotone: {coordinate: 1 or -1} where E must not fall, or not rise, along the coordinate.
+            monotone: {coordinate: 1 or -1} where the fit should not fall, or not rise, along the coordinate:
+                a penalty on a grid over the domain, not a proof.
+            Equinox modules take weights and digits.
 
     Returns a `Fit`, whose `status` says whether the solver converged and whether the denominator stays
     positive on the domain: look at it. Raises `EcfitError` where the table has too few entries, or entries
     that are not finite.
     """
     return Fitter(table, max_steps).fit(form, name, **settings)
+
+
+def check_asked(form: Any, settings: Mapping[str, Any], axes: Sequence[str]) -> None:
+    """Raise `EcfitError` for settings that `ecfit.fit` does not know for a form on a table of such axes."""
+    check_settings(settings)
+    for key in settings:
+        if isinstance(form, ModuleForm) and key not in _MODULE_SETTINGS:
+            raise EcfitError(
+                f"{key} is for forms with terms: a module is fitted by least squares and takes "
+                f"{' and '.join(_MODULE_SETTINGS)}"
+            )
+    if isinstance(settings.get("weights"), Mapping):
+        check_powers(settings["weights"], axes)
+    directions(settings.get("monotone"), axes)
 
 
 def check_data(grid: Grid, form: Form) -> None:
@@ -224,6 +256,10 @@ def check_data(grid: Grid, form: Form) -> None:
         raise EcfitError(
             f"{form.name} of degree {form.degree} has {count} coefficients, but the table only "
             f"{grid.size} entries: lower the degree or refine the axes"
+        )
+    if isinstance(form, Structured | Selected):
+        check_coordinates(
+            (form.structure if isinstance(form, Structured) else form.whole).variables, grid.axes
         )
     if not isinstance(form, TermsForm):
         return

@@ -20,6 +20,8 @@ _LEAST_Q = 1e-3
 # Rows of the first program, and the worst offenders added a round: the rest hardly ever bind.
 _ACTIVE = 1500
 _ADDED = 300
+# Rounding of a start that lies on the limits, in parts of the largest entry of a row.
+_SLACK = 1e-9
 
 
 class Minimax(NamedTuple):
@@ -79,15 +81,25 @@ def minimax(
         return np.abs(n[0] @ z + n[1]) / (measured[0] @ z + measured[1])
 
     z = start * norms
-    best, best_error = z, float(error_of(z).max())
+    # A start beyond the limits bounds nothing, and may have a smaller error than is possible within them.
+    q_least = float((d[0] @ z + d[1]).min())
+    within = q_least > 0.0 and bool(
+        np.all(limits[0] @ z <= limits[1] + _SLACK * np.abs(limits[0]).max(axis=1))
+    )
+    best, best_error = z, float(error_of(z).max()) if within else np.inf
     order = np.argsort(-error_of(z))
     active = np.unique(np.concatenate([order[:_ADDED], np.linspace(0, len(y) - 1, _ACTIVE).astype(int)]))
     bound, programs, converged = 0.0, 0, False
+    # The first coefficients within the limits may have a Q of any shape, a bad weight: first even weights.
+    even = not within
     while programs < _PROGRAMS:
         # Differential correction on the active rows.
-        t, inner, level = z, best_error, float(error_of(z)[active].max())
+        t, failed = z, False
+        level = float(np.abs(error_of(z))[active].max())
         for _ in range(_PROGRAMS):
-            weight = (measured[0] @ t + measured[1])[active]
+            weight = np.maximum((measured[0] @ t + measured[1])[active], 1e-6 * unit)
+            if even:
+                weight = np.full(len(active), unit)
             rows_n, const_n = n[0][active], n[1][active]
             rows_m, const_m = measured[0][active], measured[1][active]
             # +-(residual Q) - level measured <= lambda weight, with lambda the last variable.
@@ -106,14 +118,23 @@ def minimax(
             )  # fmt: skip
             programs += 1
             if solved.x is None:
+                failed = True
                 break
             t = solved.x[:-1]
             inner = float(error_of(t)[active].max())
+            if not within:
+                within, even, level = True, True, inner
+                continue
+            if even and not inner < level * (1.0 - _SETTLED):
+                even = False
+                continue
             if not inner < level * (1.0 - _SETTLED):
                 level = min(level, inner)
                 break
             level = inner
         # The active rows are some of all: their optimum bounds that of all from below.
+        if failed:
+            break
         bound = level
         errors = error_of(t)
         if errors.max() < best_error:
@@ -124,6 +145,8 @@ def minimax(
             converged = True
             break
         active, z = np.union1d(active, more), best
+    if np.isinf(best_error):
+        best_error = float(error_of(best).max())
     return Minimax(best / norms, best_error, bound, converged, programs)
 
 

@@ -1,6 +1,6 @@
 """What a structured fit sees: a table's entries as weighted points, and guards on the closed domain."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -33,18 +33,40 @@ def table_points(table: Table) -> tuple[dict[str, np.ndarray], np.ndarray]:
     weights = np.ones(1)
     mesh = np.meshgrid(*(a.nominal for a in table.axes), indexing="ij")
     for axis, values in zip(table.axes, mesh, strict=True):
+        known = False
         for name in COORDINATES:
             try:
                 found = resolve([name], {axis.name: values})[name]
             except EcfitError:
                 continue
-            points[name] = np.asarray(found).ravel()
-        if not points:
+            points[name], known = np.asarray(found).ravel(), True
+        if not known:
             raise EcfitError(
                 f"axis '{axis.name}' is no coordinate of structured forms: {', '.join(COORDINATES)}"
             )
         weights = np.multiply.outer(weights, weights_of(axis))
     return points, weights.ravel()
+
+
+def check_coordinates(variables: Sequence[str], axes: Sequence[Axis]) -> None:
+    """Raise `EcfitError` unless the variables of a form are those of a table, each of an axis of its own."""
+    free = list(axes)
+    for name in variables:
+        for axis in free:
+            try:
+                resolve([name], {axis.name: axis.nominal})
+            except EcfitError:
+                continue
+            free.remove(axis)
+            break
+        else:
+            free = list(axes)
+            break
+    if free:
+        raise EcfitError(
+            f"the form is a function of {', '.join(variables)}, the table of "
+            f"{', '.join(a.name for a in axes)}: choose features of the table's coordinates"
+        )
 
 
 def guard_points(domain: Mapping[str, tuple[float, float]]) -> dict[str, np.ndarray]:

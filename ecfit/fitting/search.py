@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ecfit.fitting.descent import Descent, Solved
+from ecfit.fitting.descent import REFUSED, Descent, Solved
 
 # Candidates whose fits are tried at each step, and terms tried for removal.
 _TRIES = 4
@@ -75,7 +75,8 @@ class Search:
     ) -> Found | None:
         solved: Solved = self.descent.solve(chosen, leading, start, **{**self.settings, **settings})  # type: ignore[arg-type]
         self.fits += 1
-        if not np.all(np.isfinite(solved.coefficients)) or not np.isfinite(solved.objective):
+        # Without Q > 0 at the end there is no form; not so for NaN.
+        if not np.all(np.isfinite(solved.coefficients)) or not solved.objective < REFUSED:
             return None
         return self._led(
             Found(tuple(map(tuple, chosen)), leading, solved.coefficients, solved.rms, solved.objective)

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from ecfit.approximation.formula import power_product
 from ecfit.errors import EcfitError
 from ecfit.fitting.descent import Descent, Rows, Target
-from ecfit.fitting.samples import guard_points, table_points
+from ecfit.fitting.samples import check_coordinates, guard_points, table_points
 from ecfit.fitting.search import Found, Search
 from ecfit.forms import Structure
 from ecfit.forms.candidates import chosen
@@ -41,12 +42,8 @@ def descent_for(whole: Structure, table: Table, domain: Mapping[str, tuple[float
     """
     if not table.usable.all():
         raise EcfitError("the table has entries that are NaN or infinite: change its axes before fitting")
+    check_coordinates(whole.variables, table.axes)
     points, weights = table_points(table)
-    for name in whole.variables:
-        if name not in points:
-            raise EcfitError(
-                f"the form is a function of {', '.join(whole.variables)}: the table has no {name}"
-            )
     guards = guard_points(domain)
     return Descent(
         whole.head,
@@ -117,6 +114,12 @@ def to_json(whole: Structure, search: Search) -> list[dict[str, Any]]:
 def located(whole: Structure, structure: Structure) -> tuple[list[list[int]], int]:
     """Where a structure's terms are among candidates: support and leading. Raises `EcfitError` if missing."""
 
+    for name in structure.features:
+        if name not in whole.features:
+            raise EcfitError(
+                f"feature '{name}' is not among those of the candidates: {', '.join(whole.features)}"
+            )
+
     def place(exponents: np.ndarray, among: np.ndarray) -> list[int]:
         full = np.zeros((len(exponents), len(whole.features)))
         for i, name in enumerate(structure.features):
@@ -125,7 +128,8 @@ def located(whole: Structure, structure: Structure) -> tuple[list[list[int]], in
         try:
             return [index[tuple(row)] for row in full.tolist()]
         except KeyError as error:
-            raise EcfitError(f"the term {error} is not among the candidates") from None
+            term = power_product(whole.features, error.args[0])
+            raise EcfitError(f"the term {term} is not among the candidates") from None
 
     pairs = zip(structure.numerators, whole.numerators, strict=True)
     support: list[list[int]] = [place(a, b) for a, b in pairs]

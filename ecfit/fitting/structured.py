@@ -1,5 +1,6 @@
 """Fits of structured forms: a start, the norm asked for, and a look for poles on the whole domain."""
 
+import inspect
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,11 +10,13 @@ from ecfit.approximation import Approximation, StructuredFormula
 from ecfit.coordinates import resolve
 from ecfit.errors import EcfitError, unknown
 from ecfit.fitting.descent import Descent, Solved
+from ecfit.fitting.monotone import held
 from ecfit.fitting.norms import NORMS, solve_in_norm
 from ecfit.fitting.result import Fit, judged
-from ecfit.fitting.samples import table_points
+from ecfit.fitting.samples import check_coordinates
 from ecfit.fitting.search import Search
 from ecfit.fitting.selection import Plan, descent_for, select
+from ecfit.fitting.weights import entry_weights
 from ecfit.forms import Structure, head
 from ecfit.forms.candidates import chosen
 from ecfit.forms.specified import Selected, Structured
@@ -22,20 +25,17 @@ from ecfit.tables import Table
 # The last descent: these forms converge in tens of steps from their start.
 _FINAL = {"rtol": 1e-8, "max_steps": 400}
 # alpha and mu of a structured form are covered to their closed ends, whatever the table's range.
+# Where the optimum has a pole in the domain, limits are weighted this much more, this often.
+_HARDER, _ROUNDS = 30.0, 3
+# Arguments of `fit` itself.
+_NO_SETTINGS = ("table", "form", "name", "max_steps")
 _CLOSED = {"alpha": (0.0, 1.0), "mu": (0.0, 1.0)}
 
 
 def domain_of(structure: Structure, table: Table) -> dict[str, tuple[float, float]]:
     """The closed domain of a form fitted to a table: [0, 1] for alpha and mu, the table's for the others."""
-    points, _ = table_points(table)
-    ends = {}
-    for name in structure.variables:
-        if name not in points:
-            raise EcfitError(
-                f"the form is a function of {', '.join(structure.variables)}: the table has no {name}"
-            )
-        ends[name] = _CLOSED.get(name) or _range(table, name)
-    return ends
+    check_coordinates(structure.variables, table.axes)
+    return {name: _CLOSED.get(name) or _range(table, name) for name in structure.variables}
 
 
 def _range(table: Table, name: str) -> tuple[float, float]:
@@ -58,9 +58,12 @@ def fit_structured(
     digits: int | None = None,
     strength: float = 1.0,
     ridge: float = 0.0,
+    weights: Any = None,
+    monotone: Mapping[str, int] | None = None,
 ) -> Fit:
     """Fit a form of given terms; see `ecfit.fit` for the arguments."""
     structure = form.structure
+    _check_numbers(digits, strength, ridge)
     _check_rows(table, structure.count)
     descent = descent_for(structure, table, domain_of(structure, table))
     support = [list(range(len(n))) for n in structure.numerators]
@@ -69,8 +72,24 @@ def fit_structured(
     settings: dict[str, Any] = {**_FINAL, "strength": strength, "ridge": ridge}
     if max_steps is not None:
         settings["max_steps"] = max_steps
-    solved = solve_in_norm(descent, support, 0, start, _norm(norm), **settings)
-    return _finished(table, structure, solved, name, digits, starts=1)
+    measure, extra = _norm(norm), entry_weights(table, weights)
+    if monotone and np.isinf(measure.power):
+        raise EcfitError(f"monotone is not for the norm '{norm}', which is a linear program: use 'l8'")
+
+    def solve(start: np.ndarray) -> Solved:
+        return solve_in_norm(descent, support, 0, start, measure, extra, **settings)
+
+    trial = 1
+    while True:
+        if monotone:
+            solved = held(monotone, descent, structure, domain_of(structure, table), start, solve)
+        else:
+            solved = solve(start)
+        fit = _finished(table, structure, solved, name, digits, starts=trial)
+        if fit.status != "pole" or not strength or trial > _ROUNDS:
+            return fit
+        settings["strength"] *= _HARDER
+        trial += 1
 
 
 def structured_from(approximation: Approximation) -> Structured:
@@ -100,6 +119,7 @@ def fit_selected(
 ) -> Fit:
     """Search the terms of a form, then fit them; see `ecfit.fit` for the arguments."""
     _norm(norm)
+    _check_numbers(digits, settings.get("strength", 1.0), settings.get("ridge", 0.0))
     search = run_search(table, form)
     found = search.best[form.budget]
     structure = chosen(form.whole, found.support, found.leading)
@@ -128,6 +148,24 @@ def _norm(name: str) -> Any:
     if name not in NORMS:
         raise unknown("norm", name, NORMS)
     return NORMS[name]
+
+
+def check_settings(settings: Mapping[str, Any]) -> None:
+    """Raise `EcfitError` for settings that no fit of a structured form takes."""
+    known = [n for n in inspect.signature(fit_structured).parameters if n not in _NO_SETTINGS]
+    for name in settings:
+        if name not in known:
+            raise unknown("setting of fit", name, known)
+
+
+def _check_numbers(digits: Any, strength: Any, ridge: Any) -> None:
+    whole = isinstance(digits, int) and not isinstance(digits, bool)
+    if digits is not None and not (whole and 3 <= digits <= 17):
+        raise EcfitError(f"digits must be an integer in 3..17, got {digits!r}")
+    for name, value in (("strength", strength), ("ridge", ridge)):
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not (number and 0.0 <= value < np.inf):
+            raise EcfitError(f"{name} must be a number >= 0, got {value!r}")
 
 
 def _check_rows(table: Table, count: int) -> None:

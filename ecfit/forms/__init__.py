@@ -11,6 +11,9 @@ from ecfit.forms.families import TermsForm as TermsForm
 from ecfit.forms.heads import HEADS as HEADS
 from ecfit.forms.heads import Head as Head
 from ecfit.forms.heads import head as head
+from ecfit.forms.modules import ModuleForm as ModuleForm
+from ecfit.forms.modules import register_form as register_form
+from ecfit.forms.modules import registered_forms as registered_forms
 from ecfit.forms.registry import form as form
 from ecfit.forms.registry import forms as forms
 from ecfit.forms.specified import Selected as Selected

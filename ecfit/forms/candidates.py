@@ -1,6 +1,7 @@
 """Candidate terms of a structured form: all products of powers of features within bounds."""
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -36,12 +37,21 @@ class Powers:
 
     def rows(self, features: Sequence[str]) -> np.ndarray:
         """Exponents, shape (terms, features), lowest order first. Raises `EcfitError` for too many."""
+        for name, top in self.highest.items():
+            if name not in features:
+                raise EcfitError(
+                    f"highest names '{name}', which is not among the features {', '.join(features)}"
+                )
+            if isinstance(top, bool) or not isinstance(top, int | float) or not 0.0 <= top <= 64.0:
+                raise EcfitError(f"the highest exponent of {name} must be in 0..64, got {top!r}")
+        if not 0.25 <= self.step <= 64.0:
+            raise EcfitError(f"step must be in 0.25..64, got {self.step!r}")
         choices = []
         for name in features:
             top = float(self.highest.get(name, 0.0))
             step = self.step if feature(name).order == 1.0 else 1.0
             choices.append(np.arange(0.0, top + 1e-9, step))
-        size = int(np.prod([len(c) for c in choices]))
+        size = math.prod(len(c) for c in choices)
         if size > 100 * MOST:
             raise EcfitError(f"{size} candidate terms: lower the exponents of the features")
         orders = np.array([FEATURES[f].order for f in features])

@@ -20,12 +20,13 @@ _SQRT_F0 = sqrt(var("F0"))
 def exact_fresnel(x: Node) -> Node:
     """Fresnel of a dielectric from outside at the cosine x, in terms of F0 (Walter et al. 2007, eq. 22)."""
     e = (1.0 - _SQRT_F0) / (1.0 + _SQRT_F0)
+    # 0 / 0 only for x = 0, at F0 = 0 and 1: 1e-15 is far below any cosine, its square within float32.
+    x = maximum(x, 1e-15)
     rest = (1.0 - e) * (1.0 + e)
     c = sqrt(rest + (e * x) * (e * x))
-    # 0 / 0 only for x = 0: 1e-30 is far below any cosine.
-    s = rest / maximum(e * x + c, 1e-30)
-    s = s / maximum(e * x + c, 1e-30)
-    p = (x - e * c) / maximum(x + e * c, 1e-30)
+    s = rest / (e * x + c)
+    s = s / (e * x + c)
+    p = (x - e * c) / (x + e * c)
     return minimum(0.5 * (s * s + p * p), 1.0)
 
 
@@ -85,7 +86,10 @@ class Head:
 
     def _parse(self, text: str) -> Node:
         known = {"fresnel": (1, FRESNELS[self.fresnel])}
-        return parse(text, (*self.symbols, *FEATURES), self.lets, known)
+        try:
+            return parse(text, (*self.symbols, *FEATURES), self.lets, known)
+        except EcfitError as error:
+            raise EcfitError(f"head '{self.name}': {error}") from None
 
     @cached_property
     def value(self) -> Node:

@@ -1,7 +1,10 @@
 """Forms by name, as configs call them."""
 
-from ecfit.errors import EcfitError, unknown
+import inspect
+
+from ecfit.errors import EcfitError, did_you_mean, unknown
 from ecfit.forms.families import Form, Polynomial, Rational
+from ecfit.forms.modules import ModuleForm
 from ecfit.forms.specified import Selected, Structured
 
 _FORMS: dict[str, type[Form]] = {
@@ -9,6 +12,7 @@ _FORMS: dict[str, type[Form]] = {
     "rational": Rational,
     "structured": Structured,
     "selected": Selected,
+    "module": ModuleForm,
 }
 
 
@@ -21,7 +25,15 @@ def form(name: str, **settings: object) -> Form:
     """A form by name: `form("rational", degree=3)`. Raises `EcfitError` for unknown names and settings."""
     if name not in _FORMS:
         raise unknown("form", name, _FORMS)
+    takes = inspect.signature(_FORMS[name].__init__).parameters
+    for setting in settings:
+        if setting not in takes:
+            known = list(takes)[1:]
+            raise EcfitError(
+                f"form '{name}' does not take {setting}: expected one of {', '.join(known)}"
+                f"{did_you_mean(setting, known)}"
+            )
     try:
         return _FORMS[name](**settings)  # type: ignore[arg-type]
-    except TypeError:
-        raise EcfitError(f"form '{name}' does not take {', '.join(settings)}") from None
+    except TypeError as error:
+        raise EcfitError(f"form '{name}': malformed settings {', '.join(settings)} ({error})") from None

@@ -39,12 +39,11 @@ class Structured(Form):
         structure: Structure | None = None,
     ) -> None:
         if structure is None:
-            made = tuple(np.asarray(n, dtype=np.float64) for n in numerators)
-            structure = Structure(
-                head_from(head), tuple(features), made, np.asarray(denominator, dtype=np.float64)
-            )
+            structure = Structure(head_from(head), tuple(features), tuple(numerators), denominator)
         if len(start) not in (0, structure.count):
             raise EcfitError(f"start needs {structure.count} coefficients, got {len(start)}")
+        if not np.all(np.isfinite(np.asarray(start, dtype=np.float64))):
+            raise EcfitError("start must be finite numbers")
         self.structure, self.start = structure, tuple(map(float, start))
 
     @property
@@ -91,6 +90,13 @@ class Selected(Form):
         for label, value, least in (("budget", budget, 2), ("rounds", rounds, 0), ("seeds", seeds, 1)):
             if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= 100_000:
                 raise EcfitError(f"{label} must be an integer >= {least}, got {value!r}")
+        if len(self.whole.denominator) < 2:
+            raise EcfitError("bounds of the denominator leave one term, its constant: allow more")
+        # The search begins with a term of each numerator and a second one of Q.
+        if budget < len(self.whole.numerators) + 1:
+            raise EcfitError(
+                f"head '{self.whole.head.name}' needs a budget of at least {len(self.whole.numerators) + 1}"
+            )
         if budget > self.whole.count:
             raise EcfitError(f"the budget is {budget}, but there are only {self.whole.count} candidate terms")
         self.budget, self.rounds, self.seeds = budget, rounds, seeds

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ecfit.errors import EcfitError
+from ecfit.errors import EcfitError, unknown
 from ecfit.expressions import Node, maximum, substitute, var
 from ecfit.expressions.evaluate import NUMPY, evaluate
 from ecfit.expressions.node import const
@@ -26,9 +26,13 @@ Exponents = np.ndarray
 
 def _exponents(rows: Any, features: Sequence[str], where: str) -> np.ndarray:
     try:
-        array = np.array(rows, dtype=np.float64).reshape(-1, len(features))
+        array = np.array(rows, dtype=np.float64)
     except (TypeError, ValueError):
-        raise EcfitError(f"{where}: exponents must be rows of {len(features)} numbers") from None
+        array = np.empty((0, 0))
+    if array.ndim != 2 or array.shape[1] != len(features):
+        raise EcfitError(
+            f"{where}: exponents must be rows of {len(features)} numbers, for {', '.join(features)}"
+        )
     if not np.all(np.isfinite(array)) or np.any(array < 0.0) or np.any(array > 64.0):
         raise EcfitError(f"{where}: exponents must be in 0..64")
     if len(np.unique(array, axis=0)) < len(array):
@@ -55,7 +59,7 @@ class Structure:
 
     def __post_init__(self) -> None:
         for name in self.features:
-            feature(name)
+            feature(str(name))
         if not self.features or len(set(self.features)) < len(self.features):
             raise EcfitError("a structured form needs features, each once")
         if len(self.numerators) != self.head.ratios:
@@ -175,11 +179,16 @@ class Structure:
         return _stack([*self.head.chart_inputs(), var("rho")], inputs).T[:-1]
 
     def without_unused(self) -> "Structure":
-        """The same with features that no term uses dropped."""
+        """The same function of the same variables with features that no term uses dropped."""
         used = [
             any(np.any(e[:, i] > 0) for e in (*self.numerators, self.denominator))
             for i in range(len(self.features))
         ]
+        for i, name in enumerate(self.features):
+            # One that is the last of a variable, or of all, stays.
+            kept = [f for f, u in zip(self.features, used, strict=True) if u]
+            found = set(coordinates_of((*kept, *self.head.features)))
+            used[i] = used[i] or not set(coordinates_of([name])) <= found or not (kept or i < len(used) - 1)
         return replace(
             self,
             features=tuple(f for f, u in zip(self.features, used, strict=True) if u),
@@ -218,24 +227,35 @@ def head_from(data: Any) -> Head:
     if not isinstance(data, Mapping):
         raise EcfitError(f"a head is a name or a table of its fields, got {data!r}")
     given = dict(data)
+    for name in given:
+        if name not in Head.__dataclass_fields__:
+            raise unknown("field of a head", name, Head.__dataclass_fields__)
+    for name in ("name", "factors", "text"):
+        if name not in given:
+            raise EcfitError(f"a head needs {name}")
+    if not isinstance(given["factors"], list | tuple) or not all(
+        isinstance(f, Mapping) for f in given["factors"]
+    ):
+        raise EcfitError("factors of a head must be a list, a table of powers such as { alpha = 2 } a ratio")
     try:
         given["factors"] = tuple(dict(f) for f in given["factors"])
         given["lets"] = tuple((str(n), str(t)) for n, t in given.get("lets", ()))
         return Head(**given)
-    except (KeyError, TypeError, ValueError) as error:
-        raise EcfitError(f"malformed head ({error})") from None
+    except (AttributeError, TypeError, ValueError) as error:
+        raise EcfitError(f"head '{given['name']}': malformed ({error})") from None
 
 
 def chart_points(points: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Points given in the coordinates (with alpha and mu, or neither), in the corner chart.
 
-    At alpha = mu = 0 every direction is a limit; t = 1 (mu = 0 first) is taken.
+    At alpha = mu = 0 every direction is a limit; t = 0 (alpha = 0 first) is taken, as `Structure.expression`
+    does.
     """
     out = {n: np.asarray(p, dtype=np.float64) for n, p in points.items() if n in COORDINATES}
     alpha, mu = out.get("alpha", np.zeros(1)), out.get("mu", np.zeros(1))
     rho = alpha + mu
     with np.errstate(invalid="ignore", divide="ignore"):
-        out["t"] = np.where(rho > 0.0, alpha / rho, 1.0)
+        out["t"] = np.where(rho > 0.0, alpha / rho, 0.0 if "mu" in out else 1.0)
     out["rho"] = rho
     return out
 

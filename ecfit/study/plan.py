@@ -13,13 +13,14 @@ from ecfit.bsdf import model
 from ecfit.config import AxisConfig, CompareConfig, StudyConfig, TableConfig
 from ecfit.coordinates import Axis
 from ecfit.errors import EcfitError
-from ecfit.fitting.fit import check_data
+from ecfit.fitting.fit import check_asked, check_data
 from ecfit.forms import Form, form
+from ecfit.forms.modules import factory_of
 from ecfit.quantities import quantity
 from ecfit.study.plugins import load_plugins
 from ecfit.tables import Given, Request, claim, read_table
 from ecfit.tables.given import full_range
-from ecfit.tables.tabulate import default_range
+from ecfit.tables.tabulate import default_range, source_hash
 
 # Raise this when a change moves the coefficients of fits: it is part of every fit's key.
 FITTING_VERSION = 3
@@ -125,13 +126,19 @@ def make_plan(config: StudyConfig, base: Path) -> Plan:
                 rest = section.norm_settings()
                 try:
                     check_data(grid, made)
+                    check_asked(made, rest, grid.names)
                 except EcfitError as error:
                     raise EcfitError(f"fit '{label}': {error}") from None
                 text: list[Any] = [FITTING_VERSION, requests[name].key, made.name, made.degree]
                 if section.form not in ("polynomial", "rational") or rest:
                     text += [settings, rest]
+                if section.module is not None:
+                    text.append(source_hash(factory_of(section.module)))
                 key = hashlib.sha256(json.dumps(text).encode()).hexdigest()[:16]
-                if label not in [f.label for f in fits]:
+                same = [f.key == key for f in fits if f.label == label]
+                if not all(same):
+                    raise EcfitError(f"fit '{label}': two different fits have this name: give each a name")
+                if not same:
                     fits.append(PlannedFit(name, made, label, key, rest, section.name))
     compare: dict[str, tuple[Approximation, ...]] = {}
     lookups: dict[str, tuple[Request, ...]] = {}

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import equinox as eqx
 import numpy as np
@@ -140,7 +141,7 @@ class Request:
             "numerics": NUMERICS_VERSION,
             "contract": self.contract.to_dict(),
             "tolerance": self.tolerance,
-            "source": _source_hash(type(self.model)),
+            "source": source_hash(type(self.model)),
         }
         digest = hashlib.sha256(json.dumps(text, sort_keys=True).encode())
         for axis in self.grid.axes:
@@ -256,8 +257,8 @@ def _evaluate(
     return jax.vmap(row, (None, *[0] * len(arrays)))(jnp.asarray(shared), *map(jnp.asarray, arrays))
 
 
-def _source_hash(cls: type) -> str:
-    """Hash of the file that defines a user's model; ecfit's own are covered by NUMERICS_VERSION."""
+def source_hash(cls: Any) -> str:
+    """Hash of the file of a user's class or function; ecfit's own are covered by NUMERICS_VERSION."""
     if cls.__module__.startswith("ecfit."):
         return "ecfit"
     try:

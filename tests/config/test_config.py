@@ -230,3 +230,70 @@ def test_no_mutation_of_a_config_gives_anything_but_a_config_or_an_error(tmp_pat
 def test_the_allowed_words_are_those_of_the_code(section: str, field: str):
     annotation = getattr(ecfit.config, section).model_fields[field].annotation
     assert set(get_args(annotation)) == CHOICES[section, field]
+
+
+STRUCTURED = """name = "q"
+[[tables]]
+name = "c"
+model = "conductor"
+axes = { r = 8, mu = 8 }
+[[fits]]
+tables = ["c"]
+form = "structured"
+head = "corner"
+features = ["alpha", "mu"]
+terms = { numerators = [[[1.0, 0.0]]], denominator = [[3.0, 0.0], [0.0, 3.0]] }
+norm = "l1"
+[[fits]]
+tables = ["c"]
+form = "selected"
+head = "corner"
+features = ["alpha", "mu"]
+within.numerators = [{ highest = { alpha = 2.0 } }]
+within.denominator = { highest = { mu = 3.0 }, step = 0.5 }
+budget = [3, 4]
+"""
+
+
+def test_structured_and_selected_forms_have_their_settings(tmp_path: Path):
+    given, chosen = read(tmp_path, STRUCTURED).fits
+    (settings,) = given.settings()
+    assert settings["numerators"] == [[[1.0, 0.0]]]
+    assert settings["denominator"] == [[3.0, 0.0], [0.0, 3.0]]
+    assert given.norm_settings() == {"norm": "l1"}
+    assert [s["budget"] for s in chosen.settings()] == [3, 4]
+    assert chosen.settings()[0]["denominator"]["step"] == 0.5
+    assert chosen.norm_settings() == {}
+    own = STRUCTURED.replace('"corner"', '{ name = "x", factors = [{}], text = "X" }', 1)
+    assert read(tmp_path, own).fits[0].settings()[0]["head"]["text"] == "X"
+
+
+@pytest.mark.parametrize(
+    ("change", "line", "words"),
+    [
+        (('norm = "l1"', 'norm = "l2"'), 12, ("norm", "'l2'", "least-squares, l1, l4")),
+        (('norm = "l1"', "digits = 2"), 12, ("digits", "greater than or equal to 3")),
+        (('norm = "l1"', "strength = -1.0"), 12, ("strength", "greater than or equal to 0")),
+        (('norm = "l1"', "ridge = true"), 12, ("ridge", "number")),
+        (('norm = "l1"', "degree = 2"), 6, ("degree does not belong to the form 'structured'",)),
+        (('norm = "l1"', "budget = 3"), 6, ("budget does not belong to the form 'structured'",)),
+        (("budget = [3, 4]", "start = [1.0]\nbudget = 3"), 13, ("start does not belong", "'selected'")),
+        (("budget = [3, 4]", ""), 13, ("the form 'selected' needs budget",)),
+        (("budget = [3, 4]", "budget = 1"), 20, ("budget", "greater than or equal to 2")),
+        (("budget = [3, 4]", "budget = [3, 4]\nname = 'x'"), 13, ("a name is for one fit",)),
+        (("budget = [3, 4]", "budget = 3\nseeds = 0"), 21, ("seeds", "greater than or equal to 1")),
+        (("step = 0.5", "step = 0.0"), 19, ("step", "greater than 0")),
+        (("step = 0.5", "stp = 0.5"), 19, ("unknown key", "did you mean 'step'")),
+        (('head = "corner"\n', ""), 6, ("the form 'structured' needs head",)),
+        (("[3.0, 0.0]", "3.0"), 11, ("denominator", "list")),
+        (('form = "structured"', 'form = "polynomial"\ndegree = 1'), 6, ("does not belong", "'polynomial'")),
+    ],
+)
+def test_a_fault_in_a_structured_form_is_told(tmp_path: Path, change, line: int, words):
+    assert change[0] in STRUCTURED
+    with pytest.raises(EcfitError) as caught:
+        read(tmp_path, STRUCTURED.replace(*change, 1))
+    first = str(caught.value).splitlines()[0]
+    assert first.startswith(f"{tmp_path / 'study.toml'}:{line}: "), first
+    for word in words:
+        assert word in first

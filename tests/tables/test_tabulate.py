@@ -290,7 +290,7 @@ def test_an_option_of_the_quantity_is_part_of_the_contract():
 
 def test_a_users_source_is_part_of_the_key():
     """Two models of one name and other code must not share a table: here, by their modules' files."""
-    from ecfit.tables.tabulate import _source_hash
+    from ecfit.tables.tabulate import source_hash
 
-    assert _source_hash(Conductor) == _source_hash(Lambertian) == "ecfit"
-    assert _source_hash(Broken) not in ("ecfit", "unknown")
+    assert source_hash(Conductor) == source_hash(Lambertian) == "ecfit"
+    assert source_hash(Broken) not in ("ecfit", "unknown")

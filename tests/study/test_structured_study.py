@@ -1,0 +1,132 @@
+"""Structured and selected fits in a study: computed once, kept, and computed again where asked otherwise."""
+
+import csv
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import ecfit
+from ecfit.config import read_config
+from ecfit.study.plan import make_plan
+from ecfit.workers import ONE_THREAD
+
+CONFIG = """
+name = "small"
+[[tables]]
+name = "e"
+file = "e.csv"
+axes = { r = 9, mu = 9 }
+[[fits]]
+tables = ["e"]
+form = "structured"
+name = "given"
+head = "corner"
+features = ["alpha", "mu"]
+terms = { numerators = [[[0.0, 0.0], [0.0, 1.0]]], denominator = [[0.0, 0.0], [0.0, 1.0]] }
+norm = "least-squares"
+[[fits]]
+tables = ["e"]
+form = "selected"
+head = "corner"
+features = ["alpha", "mu"]
+within.numerators = [{ highest = { mu = 1.0 } }]
+within.denominator = { highest = { mu = 2.0 } }
+budget = 3
+rounds = 1
+[report]
+figures = ["svg"]
+"""
+R = MU = np.linspace(0.0, 1.0, 9)
+VALUES = 1.0 - R[:, None] ** 4 * (0.5 + 0.2 * MU) / (1.0 + 0.6 * MU)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def here() -> Iterator[None]:
+    """Fits in this process."""
+    with pytest.MonkeyPatch.context() as environment:
+        for name, value in ONE_THREAD.items():
+            environment.setenv(name, value)
+        yield
+
+
+def run(folder: Path, text: str = CONFIG) -> ecfit.Study:
+    np.savetxt(folder / "e.csv", VALUES, delimiter=",", fmt="%.17g")
+    (folder / "small.toml").write_text(text)
+    return ecfit.run(folder / "small.toml", folder / "results", workers=1)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, ecfit.Study]:
+    folder = tmp_path_factory.mktemp("structured")
+    return folder, run(folder)
+
+
+def test_both_are_fitted_and_reported(finished):
+    folder, study = finished
+    given, chosen = study.fits["e"]
+    assert given.approximation.name == "given"
+    np.testing.assert_allclose(given.coefficients, [0.5, 0.2, 0.6], atol=1e-4)
+    assert chosen.ok
+    assert chosen.max_error < 1e-4
+    rows = list(csv.DictReader((folder / "results/small/summary.csv").read_text().splitlines()))
+    assert [r["coefficients"] for r in rows] == ["3", "3"]
+    assert (folder / "results/small/fits/given.json").exists()
+    assert (folder / "results/small/fits/e-corner-selected-3.json").exists()
+    for page in ("report.md", "report.html"):
+        assert "given" in (folder / "results/small" / page).read_text()
+
+
+def test_running_again_computes_nothing(finished):
+    folder, study = finished
+    again = run(folder)
+    assert again.seconds == {}
+    np.testing.assert_array_equal(again.fits["e"][0].coefficients, study.fits["e"][0].coefficients)
+    loaded = ecfit.study.load(folder / "small.toml", folder / "results")
+    assert [f.to_dict() for f in loaded.fits["e"]] == [f.to_dict() for f in study.fits["e"]]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "which"),
+    [
+        ('norm = "least-squares"', 'norm = "l1"', "fit given"),
+        ('norm = "least-squares"', "digits = 4", "fit given"),
+        ("rounds = 1", "rounds = 0", "fit e-corner-selected-3"),
+    ],
+)
+def test_another_setting_computes_that_fit_only(finished, tmp_path: Path, old: str, new: str, which: str):
+    shutil.copytree(finished[0], tmp_path / "copy")
+    assert set(run(tmp_path / "copy", CONFIG.replace(old, new, 1)).seconds) == {which}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('head = "corner"', 'head = "crner"', "unknown head 'crner'"),
+        ('["alpha", "mu"]', '["alpha", "F0"]', "function of alpha, F0, the table of r, mu"),
+        ("[0.0, 1.0]]]", "[0.0]]]", "numerator: exponents must be rows of 2 numbers"),
+        ("{ mu = 2.0 }", "{ nu = 2.0 }", "highest names 'nu'"),
+        ("budget = 3", "budget = 30", "the budget is 30, but there are only 4"),
+    ],
+)
+def test_what_cannot_be_fitted_is_told_before_anything_is_computed(tmp_path: Path, old, new, message: str):
+    assert old in CONFIG
+    with pytest.raises(ecfit.EcfitError, match=message):
+        run(tmp_path, CONFIG.replace(old, new, 1))
+    assert not (tmp_path / "results").exists()
+
+
+def test_two_forms_of_one_name_are_told(tmp_path: Path):
+    """Neither is dropped in silence; what is there twice is one."""
+    section = CONFIG[CONFIG.index("[[fits]]") : CONFIG.index("[[fits]]", CONFIG.index("[[fits]]") + 1)]
+    unnamed = section.replace('name = "given"\n', "")
+    other = unnamed.replace("[0.0, 1.0]]]", "[1.0, 0.0]]]")
+    head, tail = CONFIG[: CONFIG.index("[[fits]]")], '[report]\nfigures = ["svg"]\n'
+    with pytest.raises(
+        ecfit.EcfitError, match="fit 'e-corner-3': two different fits have this name: give each"
+    ):
+        run(tmp_path, head + unnamed + other + tail)
+    (tmp_path / "small.toml").write_text(head + unnamed + unnamed + tail)
+    assert len(make_plan(read_config(tmp_path / "small.toml"), tmp_path).fits) == 1
