@@ -1,9 +1,11 @@
 """From a finished study to shipped fits: certified, with provenance, one file a name."""
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from ecfit.approximation import Approximation
 from ecfit.certify import Certificate, certify
 from ecfit.errors import EcfitError
 from ecfit.files import read_json, write_json
@@ -50,11 +52,11 @@ def ship(
         if not certificate.certified:
             outcome = "refused: " + "; ".join(certificate.refusals)
         elif path.exists():
-            old = read_json(path)
-            same = isinstance(old, dict) and all(old.get(k) == data[k] for k in fit.approximation.to_dict())
-            outcome = (
-                "unchanged" if same else f"refused: '{path}' holds other coefficients: choose a new name"
-            )
+            old = Approximation.from_dict(read_json(path), f"'{path}'")
+            # Through JSON on both sides: it knows lists only.
+            same = json.dumps(old.to_dict()) == json.dumps(fit.approximation.to_dict())
+            kept = f"refused: '{path}' holds other coefficients: choose a new name"
+            outcome = "unchanged" if same else kept
         if outcome == "shipped":
             write_json(path, data)
         out.append(Shipment(planned, outcome, certificate))
