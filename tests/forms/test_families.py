@@ -84,12 +84,13 @@ def test_every_named_form_can_be_made():
         "rational": {"degree": 2},
         "structured": {**features, **terms},
         "selected": {**features, **within},
+        "module": {"module": "learned-rational", "settings": {"degree": 1}},
     }
     assert settings.keys() == forms().keys()
     names = {name: form(name, **given).name for name, given in settings.items()}
     assert names == {
         "polynomial": "polynomial", "rational": "rational",
-        "structured": "corner", "selected": "corner-selected",
+        "structured": "corner", "selected": "corner-selected", "module": "learned-rational",
     }  # fmt: skip
 
 
