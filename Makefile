@@ -9,8 +9,9 @@ CONFIG ?= configs/quick.toml
 study: $(VENV)/.core
 	$(BIN)/ecfit run $(CONFIG)
 
+# Two processes, each with one thread of XLA: most of the time is compilation, which uses one.
 test: $(VENV)/.test
-	$(BIN)/pytest
+	PJRT_NPROC=1 OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist loadfile
 
 test-all: $(VENV)/.test
 	$(BIN)/pytest -m ""
