@@ -79,6 +79,18 @@ class Solved(NamedTuple):
     steps: int
 
 
+def _evaluated(head, formula, x, data):
+    """A formula of a head at products x (ratios, rows) and features data (names, rows), shape (rows,)."""
+    table = {**dict(zip(head.symbols, x, strict=True)), **dict(zip(head.inputs, data, strict=True))}
+    return evaluate([formula], table, JAX, lambda c: c)[0] * jnp.ones(x.shape[1])
+
+
+def _slopes_of(function, x):
+    """Slopes of a function of x (ratios, rows), which takes each row by itself, by each ratio."""
+    unit = [jnp.zeros_like(x).at[i].set(1.0) for i in range(x.shape[0])]
+    return jnp.stack([jax.jvp(function, (x,), (u,))[1] for u in unit])
+
+
 @partial(jax.jit, static_argnames=("head", "max_steps"))
 def _descend(
     z0, columns, q0, rows, values, root_w, guards, guard_q0, guard_rows, groups, rtol, strength, least,
@@ -87,8 +99,7 @@ def _descend(
     """Minimise; `columns` and `guards` are scaled so that their coefficients are of order 1."""
 
     def evaluated(formula, x, data):
-        table = {**dict(zip(head.symbols, x, strict=True)), **dict(zip(head.inputs, data, strict=True))}
-        return evaluate([formula], table, JAX, lambda c: c)[0] * jnp.ones(x.shape[1])
+        return _evaluated(head, formula, x, data)
 
     def sums(z, columns, q0):
         s = (columns * z) @ groups
@@ -99,9 +110,6 @@ def _descend(
         inner = jnp.concatenate([slopes, -jnp.sum(slopes * ratios, axis=0)[None]], axis=0) / q
         return columns * (groups @ inner).T
 
-    def slopes_of(function, x):
-        return [jax.jvp(function, (x,), (jnp.zeros_like(x).at[i].set(1.0),))[1] for i in range(x.shape[0])]
-
     def root(z):
         p, q = sums(z, columns, q0)
         ratios = p / q
@@ -110,7 +118,7 @@ def _descend(
         def f(x):
             return evaluated(head.value, x, rows.data)
 
-        slopes = jnp.stack(slopes_of(f, x)) * rows.factors
+        slopes = _slopes_of(f, x) * rows.factors
         r = (f(x) - values) * root_w
         block = jnp.concatenate([jacobian(columns, slopes, ratios, q) * root_w[:, None], r[:, None]], axis=1)
         gram = block.T @ block
@@ -130,7 +138,7 @@ def _descend(
                 return evaluated(head.deficit_value, x, guard_rows.data)
 
             low = d(gx)
-            slopes = jnp.stack(slopes_of(d, gx)) * guard_rows.factors
+            slopes = _slopes_of(d, gx) * guard_rows.factors
             on = jnp.where(low < least, strength, 0.0)
             jac = jacobian(guards, slopes, gratios, gq) * on[:, None]
             block = jnp.concatenate([jac, (on * (low - least))[:, None]], axis=1)
@@ -145,7 +153,7 @@ def _descend(
             def at_pairs(x):
                 return evaluated(head.value, x, rows_.data)
 
-            slopes = jnp.stack(slopes_of(at_pairs, px)) * rows_.factors
+            slopes = _slopes_of(at_pairs, px) * rows_.factors
             found, jac = at_pairs(px), jacobian(columns_, slopes, pp / pq, pq)
             fall = found[high] - found[low]
             on = jnp.where(fall < 0.0, weight, 0.0)
@@ -185,7 +193,6 @@ class Descent:
         target, columns: rows to be fitted and the candidate terms there, one array (rows, terms) a numerator
             and Q.
         guards, guard_columns: points where Q > 0 and the head's limits are held.
-        strength: weight of what falls below the limits, in units of the target's RMS residual.
 
     `pairs`, where they are set, are held monotone by a penalty: `pair_weight` times the RMS fall over them.
     """
@@ -341,14 +348,19 @@ class Descent:
         value, slopes = slopes_at(rows.factors * ratios, rows.data, head=self.head)
         return np.asarray(value), np.asarray(slopes) * rows.factors, ratios, q
 
+    def _jacobian(
+        self, support: list[list[int]], leading: int, c: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Value, what multiplies a column of each group in the weighted Jacobian, and that of the support."""
+        value, slopes, ratios, q = self.value(support, leading, c)
+        inner = np.concatenate([slopes, -np.sum(slopes * ratios, axis=0)[None]]) / q * self.root_w
+        groups = zip(self.columns, support, inner, strict=True)
+        return value, inner, np.concatenate([x[:, s] * row[:, None] for x, s, row in groups], axis=1)
+
     def gains(self, support: list[list[int]], leading: int, c: np.ndarray) -> list[np.ndarray]:
         """First-order gain of each candidate column: the part of the sum of squares it would take away."""
-        value, slopes, ratios, q = self.value(support, leading, c)
+        value, inner, jac = self._jacobian(support, leading, c)
         r = (value - self.target.values) * self.root_w
-        inner = np.concatenate([slopes, -np.sum(slopes * ratios, axis=0)[None]]) / q * self.root_w
-        jac = np.concatenate(
-            [x[:, s] * row[:, None] for x, s, row in zip(self.columns, support, inner, strict=True)], axis=1
-        )
         jac = jac / np.maximum(np.linalg.norm(jac, axis=0), 1e-300)
         basis = np.linalg.qr(jac)[0]
         r = r - basis @ (basis.T @ r)
@@ -370,11 +382,7 @@ class Descent:
 
     def losses(self, support: list[list[int]], leading: int, c: np.ndarray) -> np.ndarray:
         """First-order loss of removing each coefficient: growth of the sum of squares."""
-        _, slopes, ratios, q = self.value(support, leading, c)
-        inner = np.concatenate([slopes, -np.sum(slopes * ratios, axis=0)[None]]) / q * self.root_w
-        jac = np.concatenate(
-            [x[:, s] * row[:, None] for x, s, row in zip(self.columns, support, inner, strict=True)], axis=1
-        )
+        _, _, jac = self._jacobian(support, leading, c)
         norms = np.maximum(np.linalg.norm(jac, axis=0), 1e-300)
         triangle = np.linalg.qr(jac / norms, mode="r")
         inverse = np.linalg.pinv(triangle)
@@ -387,8 +395,6 @@ def slopes_at(x, data, *, head, deficit=False):
     formula = head.deficit_value if deficit else head.value
 
     def f(x):
-        table = {**dict(zip(head.symbols, x, strict=True)), **dict(zip(head.inputs, data, strict=True))}
-        return evaluate([formula], table, JAX, lambda c: c)[0] * jnp.ones(x.shape[1])
+        return _evaluated(head, formula, x, data)
 
-    slopes = [jax.jvp(f, (x,), (jnp.zeros_like(x).at[i].set(1.0),))[1] for i in range(x.shape[0])]
-    return f(x), jnp.stack(slopes)
+    return f(x), _slopes_of(f, x)

@@ -5,7 +5,7 @@ best, and keeps the best of those: the result is the best form found for each nu
 Deterministic: chance enters through the seed only.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,9 +37,6 @@ class Found:
     @property
     def count(self) -> int:
         return sum(map(len, self.support))
-
-
-Accept = Callable[[Found], bool]
 
 
 class Search:

@@ -24,11 +24,11 @@ from ecfit.tables import Table
 
 # The last descent: these forms converge in tens of steps from their start.
 _FINAL = {"rtol": 1e-8, "max_steps": 400}
-# alpha and mu of a structured form are covered to their closed ends, whatever the table's range.
 # Where the optimum has a pole in the domain, limits are weighted this much more, this often.
 _HARDER, _ROUNDS = 30.0, 3
 # Arguments of `fit` itself.
 _NO_SETTINGS = ("table", "form", "name", "max_steps")
+# alpha and mu of a structured form are covered to their closed ends, whatever the table's range.
 _CLOSED = {"alpha": (0.0, 1.0), "mu": (0.0, 1.0)}
 
 
