@@ -104,7 +104,8 @@ class Range:
         room: proven lower bound of ceiling - value.
         excess: largest value - ceiling found (-inf without a ceiling), with its place.
         lower, upper: how value >= 0 and value <= ceiling were proved; empty where they were not.
-        identity: largest |1 - value - shared x deficit| at random points, where that was used.
+        identity: largest |1 - value - shared x deficit|, or |value - shared x surplus|, at random points,
+            where that was used.
     """
 
     low: float
@@ -167,25 +168,34 @@ def value_range(subject: Subject, ceiling: Ceiling | None, seed: int) -> Range:
     Args:
         subject: its divisors must have been proved not to vanish.
         ceiling: what the quantity cannot exceed, if known.
-        seed: of the points at which the identity with the deficit is checked.
+        seed: of the points at which the identities with deficit and surplus are checked.
     """
     below = subject.smallest(subject.value, limit=_RANGE_BOXES)
     above = subject.smallest(-subject.value, limit=_RANGE_BOXES)
-    low, high, lower, upper, identity = below.bound, -above.bound, "", "", None
+    low, high, lower, upper = below.bound, -above.bound, "", ""
+    checked: list[float] = []
+
+    def product(name: str, side: Node) -> str:
+        """How `side` is proved >= 0 as the product of what the form holds; "" where it is not."""
+        if name not in subject.held:
+            return ""
+        shared, rest = subject.held[name]
+        checked.append(_identity(subject, side, shared * rest, seed))
+        # Near 0 / 0 the two sides differ by rounding: 1e-9 is far above it, far below any coefficient.
+        known = checked[-1] < 1e-9 and nonnegative(shared, subject)
+        return nonnegative(rest, subject) if known else ""
+
     if low >= 0.0:
         lower = ">= 0 by subdivision"
+    elif below.value >= -SLACK and (how := product("surplus", subject.value)):
+        low, lower = 0.0, f">= 0 exactly: the value is a product >= 0 times a surplus >= 0 ({how})"
     elif below.value >= -SLACK and (how := nonnegative(subject.value, subject)):
         low, lower = 0.0, f">= 0: {how}"
     room, excess, place = -np.inf, -np.inf, above.place
     if ceiling is not None and ceiling.node is const(1.0):
         room, excess = 1.0 - high, -above.value - 1.0
-        if subject.deficit is not None:
-            shared, deficit = subject.deficit
-            identity = _identity(subject, shared, deficit, seed)
-            # Near 0 / 0 the two sides differ by rounding: 1e-9 is far above it, far below any coefficient.
-            how = nonnegative(deficit, subject) if identity < 1e-9 and nonnegative(shared, subject) else ""
-            if how:
-                upper = f"<= 1 exactly: 1 - value is a product >= 0 times a deficit >= 0 ({how})"
+        if how := product("deficit", 1.0 - subject.value):
+            upper = f"<= 1 exactly: 1 - value is a product >= 0 times a deficit >= 0 ({how})"
         if (
             not upper
             and room < 0.0
@@ -214,7 +224,7 @@ def value_range(subject: Subject, ceiling: Ceiling | None, seed: int) -> Range:
         excess_place=subject.place(place),
         lower=lower,
         upper=upper,
-        identity=identity,
+        identity=max(checked, default=None),
     )
 
 
@@ -238,13 +248,12 @@ def nonnegative(node: Node, subject: Subject) -> str:
     return ""
 
 
-def _identity(subject: Subject, shared: Node, deficit: Node, seed: int) -> float:
-    """Largest |1 - value - shared x deficit| at points of the interior."""
+def _identity(subject: Subject, side: Node, product: Node, seed: int) -> float:
+    """Largest |side - product| at points of the interior."""
     rng = np.random.default_rng(seed)
     points = {n: rng.uniform(low, high, 2000) for n, (low, high) in subject.domain.box.items()}
     constraint = subject.domain.constraint
     if constraint is not None and subject.charted:
         inside = ~constraint({n: (p, p) for n, p in points.items()})
         points = {n: p[inside] for n, p in points.items()}
-    rest = 1.0 - value(subject.value, points) - value(shared * deficit, points)
-    return float(np.max(np.abs(rest), initial=0.0))
+    return float(np.max(np.abs(value(side, points) - value(product, points)), initial=0.0))

@@ -33,7 +33,8 @@ class Subject:
         plain: the expression as it is evaluated, in the approximation's variables.
         divisors: (what it is called, the expression in `box`, the same in the approximation's variables or
             None) of every division in `value`; the form's own denominator first.
-        deficit: (shared, deficit): 1 - value = shared x deficit, or None.
+        held: "deficit" -> (shared, rest): 1 - value = shared x rest; "surplus" -> the same for the value;
+            those that the form has.
         domain: the closed domain.
         charted: whether `value` is in the corner chart.
         floors: what has been proved of divisors; see `ecfit.expressions.bounds.smallest`.
@@ -43,9 +44,9 @@ class Subject:
     chart: Node
     plain: Node
     divisors: tuple[tuple[str, Node, Node | None], ...]
-    deficit: tuple[Node, Node] | None
     domain: ChartDomain
     charted: bool
+    held: Mapping[str, tuple[Node, Node]] = field(default_factory=dict)
     floors: Mapping[Node, float] = field(default_factory=dict)
 
     @classmethod
@@ -60,12 +61,12 @@ class Subject:
         rest = [q for q in _divisors(plain) if q not in [n for _, n in named]]
         divisors = [*named, *((f"divisor {i + 1}", q) for i, q in enumerate(rest))]
         domain = ChartDomain(ranges, ranges)
-        return cls(plain, plain, plain, tuple((name, q, q) for name, q in divisors), None, domain, False)
+        return cls(plain, plain, plain, tuple((name, q, q) for name, q in divisors), domain, False)
 
     @classmethod
     def _structured(cls, formula: StructuredFormula, plain: Node, ranges: Box) -> "Subject":
         structure = formula.structure
-        value, deficit, q = structure.chart(formula.values)
+        value, held, q = structure.chart(formula.values)
         # The form's own Q in the expression that is evaluated, which may raise mu to `LEAST_MU`.
         own = structure.denominator_expression(formula.values)
         if own not in _divisors(plain):
@@ -76,12 +77,13 @@ class Subject:
         divisors = [("Q'" if structure.corner else "Q", q_, own)] if q.op != "const" else []
         rest = [n for n in _divisors(value_) if n is not q_]
         divisors += [(f"divisor {i + 1}", n, None) for i, n in enumerate(rest)]
-        product = None
-        if deficit is not None:
-            shared = monomial(structure.head.shared, {name: scaled(name) for name in FEATURES})
-            product = replaced(shared, clipped), replaced(deficit, clipped)
+        features = {name: scaled(name) for name in FEATURES}
+        products = {
+            h.name: (replaced(monomial(h.shared, features), clipped), replaced(rest, clipped))
+            for h, rest in zip(structure.head.held, held, strict=True)
+        }
         charted = bool({"t", "rho"} & inputs(value))
-        return cls(value_, value, plain, tuple(divisors), product, domain, charted)
+        return cls(value_, value, plain, tuple(divisors), domain, charted, products)
 
     @cached_property
     def roots(self) -> tuple[Node, ...]:

@@ -8,6 +8,7 @@ guards it is penalised.
 from functools import cached_property, partial
 from typing import NamedTuple
 
+import equinox as eqx
 import lineax as lx
 import numpy as np
 import optimistix as optx
@@ -27,6 +28,11 @@ _GUARDED_Q = 2e-3
 # A guard where Q vanishes then weighs as much as a residual of 0.1 at one of as many rows: more than any fit
 # is worth.
 _GUARD_WEIGHT = 0.1 / _GUARDED_Q
+# Damping begins at 1, which is much for residuals of 1e-4, and falls by the default factor of 3.5 only where a
+# step's prediction is right to 1 %: most of 50 steps would go by before it is small. In this unit of the
+# residual, and so, 10 steps do.
+_UNIT = 100.0
+_TRUST = {"high_cutoff": 0.75, "high_constant": 10.0, "low_constant": 0.1}
 # Rounds of the linearised start: it settles in a few or not at all.
 _LINEARISED = 12
 # A column whose square is less than this part outside the span of the others adds nothing.
@@ -39,7 +45,8 @@ class Rows(NamedTuple):
     """What a head needs at some points: everything but the ratios. Arrays of shape (rows,).
 
     Attributes:
-        factors: of each ratio, shape (ratios, rows): X_i = factors[i] P_i' / Q' (at guards, X / shared).
+        factors: of each ratio, shape (ratios, rows): X_i = factors[i] P_i' / Q'; at guards X_i / shared for
+            each of `Head.held`, shape (held, ratios, rows).
         data: features that the head's formulas name, in the order of `Head.inputs`, shape (names, rows).
     """
 
@@ -130,15 +137,12 @@ def _descend(
         )
         gram = gram + block.T @ block
         gq = jnp.maximum(gq, _GUARDED_Q)
-        if head.deficit_value is not None:
-            gratios = gp / gq
-            gx = guard_rows.factors * gratios
-
-            def d(x):
-                return evaluated(head.deficit_value, x, guard_rows.data)
-
+        gratios = gp / gq
+        for held, factors in zip(head.held, guard_rows.factors, strict=True):
+            gx = factors * gratios
+            d = partial(evaluated, held.rest, data=guard_rows.data)
             low = d(gx)
-            slopes = _slopes_of(d, gx) * guard_rows.factors
+            slopes = _slopes_of(d, gx) * factors
             on = jnp.where(low < least, strength, 0.0)
             jac = jacobian(guards, slopes, gratios, gq) * on[:, None]
             block = jnp.concatenate([jac, (on * (low - least))[:, None]], axis=1)
@@ -175,8 +179,14 @@ def _descend(
         value, jac = root(primals[0])
         return value, jac @ tangents[0]
 
-    solver = optx.LevenbergMarquardt(rtol=rtol, atol=1e-13, linear_solver=lx.QR())
-    solution = optx.least_squares(lambda z, _: residual(z), solver, z0, max_steps=max_steps, throw=False)
+    solver = eqx.tree_at(
+        lambda s: s.search,
+        optx.LevenbergMarquardt(rtol=rtol, atol=1e-13, linear_solver=lx.QR()),
+        optx.ClassicalTrustRegion(**_TRUST),
+    )
+    solution = optx.least_squares(
+        lambda z, _: _UNIT * residual(z), solver, z0, max_steps=max_steps, throw=False
+    )
     z = solution.value
     p, q = sums(z, columns, q0)
     r = (evaluated(head.value, rows.factors * p / q, rows.data) - values) * root_w
@@ -229,7 +239,7 @@ class Descent:
         Args:
             support: indices of columns, for each numerator and for Q (without its leading term).
             leading: index of Q's term with the coefficient 1.
-            strength: weight of deficits below `least` at the guards.
+            strength: weight of what the head holds, where it is below `least` at the guards.
             ridge: weight of the coefficients' sizes, relative to their columns' scale.
             root_w: roots of the rows' weights, by default those of the target.
         """
@@ -389,10 +399,10 @@ class Descent:
         return (c * norms) ** 2 / np.sum(inverse**2, axis=1)
 
 
-@partial(jax.jit, static_argnames=("head", "deficit"))
-def slopes_at(x, data, *, head, deficit=False):
-    """Value (or deficit) of a head at products X, and its slopes by each."""
-    formula = head.deficit_value if deficit else head.value
+@partial(jax.jit, static_argnames=("head", "held"))
+def slopes_at(x, data, *, head, held=-1):
+    """Value of a head (or `held`, an index of what it holds) at products X, and its slopes by each."""
+    formula = head.value if held < 0 else head.held[held].rest
 
     def f(x):
         return _evaluated(head, formula, x, data)

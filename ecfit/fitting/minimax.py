@@ -159,19 +159,17 @@ def _limits(
     norms: np.ndarray,
     unit: float,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Rows A, b of A z <= b: Q above its least, and deficits (times Q) not below 0, at the guards."""
+    """Rows A, b of A z <= b: Q above its least, and what is held (times Q) not below 0, at the guards."""
     zeros = np.zeros((len(gq), split))
     rows, right = [np.concatenate([zeros, -gq], axis=1) / norms], [gq0 - _LEAST_Q * unit]
     guards = descent.guards
-    if descent.head.deficit_value is not None:
-        # A deficit linear in X is base + slope X: times Q it is linear in the coefficients.
+    for i, factors in enumerate(guards.factors):
+        # What is linear in X is base + slope X: times Q it is linear in the coefficients.
         found = [
-            np.asarray(
-                slopes_at(x * np.ones_like(guards.factors), guards.data, head=descent.head, deficit=True)[0]
-            )
+            np.asarray(slopes_at(x * np.ones_like(factors), guards.data, head=descent.head, held=i)[0])
             for x in (0.0, 1.0)
         ]
-        base, slope = found[0], (found[1] - found[0]) * guards.factors[0]
+        base, slope = found[0], (found[1] - found[0]) * factors[0]
         gp = descent.guard_columns[0][:, support[0]]
         rows.append(-np.concatenate([gp * slope[:, None], gq * base[:, None]], axis=1) / norms)
         right.append(gq0 * base)

@@ -49,7 +49,7 @@ def descent_for(whole: Structure, table: Table, domain: Mapping[str, tuple[float
         whole.head,
         Target(Rows(whole.factors(points), whole.data(points)), table.values.ravel(), weights),
         whole.columns(points),
-        Rows(whole.factors(guards, deficit=True), whole.data(guards)),
+        Rows(whole.held_factors(guards), whole.data(guards)),
         whole.columns(guards),
     )
 

@@ -2,12 +2,14 @@
 
 A head is data: what the ratios are multiplied by (`factors`, powers of features), and a formula of those
 products X (one ratio) or X1, X2, ... It is also the one place that knows a form's exact limits: 1 - E is
-a non-negative product times a `deficit` whose sign is then proved.
+a non-negative product times a `deficit`, and E, where it may touch 0, one times a `surplus`, whose signs are
+held in fits and then proved.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 from ecfit.errors import EcfitError, unknown
 from ecfit.expressions import Node, const, maximum, minimum, parse, power, sqrt, substitute, var
@@ -38,6 +40,20 @@ def schlick_fresnel(x: Node) -> Node:
 FRESNELS = {"exact": exact_fresnel, "schlick": schlick_fresnel}
 
 
+class Held(NamedTuple):
+    """What a fit holds >= 0: `end` - value, or value - `end`, is `shared` x `rest`.
+
+    Attributes:
+        name: "deficit" (1 - value) or "surplus" (value).
+        shared: powers of features, where alpha and mu stand for t and m of the corner chart.
+        rest: formula in X / shared, written X again.
+    """
+
+    name: str
+    shared: Mapping[str, float]
+    rest: Node
+
+
 @dataclass(frozen=True, eq=False)
 class Head:
     """A formula over ratios.
@@ -50,7 +66,8 @@ class Head:
         shared: powers of features taken out of the deficit: 1 - value = shared x deficit, where alpha and mu
             stand for t and m of the corner chart.
         deficit: formula in X / shared, written X again; empty where the value is not bounded by 1.
-        positive: whether the value is >= 0.
+        floor, surplus: the same for the lower end: value = floor x surplus; empty where the value stays away
+            from 0 by itself.
         limits: exact values at limits, in words.
         fresnel: name of `FRESNELS`.
     """
@@ -61,7 +78,8 @@ class Head:
     lets: tuple[tuple[str, str], ...] = ()
     shared: Mapping[str, float] = field(default_factory=dict)
     deficit: str = ""
-    positive: bool = True
+    floor: Mapping[str, float] = field(default_factory=dict)
+    surplus: str = ""
     limits: str = ""
     fresnel: str = "exact"
 
@@ -71,9 +89,10 @@ class Head:
             raise EcfitError(f"{where}: needs at least one factor")
         object.__setattr__(self, "factors", tuple(check_powers(f, where) for f in self.factors))
         object.__setattr__(self, "shared", check_powers(self.shared, where))
+        object.__setattr__(self, "floor", check_powers(self.floor, where))
         if self.fresnel not in FRESNELS:
             raise unknown("Fresnel factor", self.fresnel, FRESNELS)
-        _ = self.value, self.deficit_value  # parsed here, so that a wrong formula fails at once
+        _ = self.value, self.held  # parsed here, so that a wrong formula fails at once
 
     @property
     def ratios(self) -> int:
@@ -97,14 +116,19 @@ class Head:
         return self._parse(self.text)
 
     @cached_property
-    def deficit_value(self) -> Node | None:
-        """(1 - value) / shared in terms of X / shared and of features by name."""
-        return self._parse(self.deficit) if self.deficit else None
+    def held(self) -> tuple[Held, ...]:
+        """The limits, in terms of X / shared and of features by name."""
+        ends = (("deficit", self.shared, self.deficit), ("surplus", self.floor, self.surplus))
+        return tuple(Held(name, shared, self._parse(text)) for name, shared, text in ends if text)
+
+    @cached_property
+    def _used(self) -> set[str]:
+        return set().union(inputs(self.value), *(inputs(h.rest) for h in self.held))
 
     @cached_property
     def features(self) -> tuple[str, ...]:
         """Features that the formulas and factors use."""
-        used = inputs(self.value) | (set() if self.deficit_value is None else inputs(self.deficit_value))
+        used = set(self._used)
         for factor in self.factors:
             used |= set(factor)
         return tuple(name for name in FEATURES if name in used)
@@ -122,21 +146,19 @@ class Head:
             raise EcfitError(f"head '{self.name}': P / Q outgrows its factor at alpha = mu = 0")
         return out
 
-    def in_chart(self, ratios: Sequence[Node], orders: Sequence[float]) -> tuple[Node, Node | None]:
-        """Value and deficit in the corner chart, given P_i / Q divided by rho^order, and those orders."""
+    def in_chart(self, ratios: Sequence[Node], orders: Sequence[float]) -> tuple[Node, tuple[Node, ...]]:
+        """Value and what is `held` in the corner chart, given P_i / Q divided by rho^order, and the orders."""
         full = dict(zip(self.inputs, self.chart_inputs(), strict=True))
 
-        def put(formula: Node, deficit: bool) -> Node:
-            rows = zip(self.symbols, self.chart_factors(orders, deficit), ratios, strict=True)
+        def put(formula: Node, shared: Mapping[str, float]) -> Node:
+            rows = zip(self.symbols, self.chart_factors(orders, shared), ratios, strict=True)
             return substitute(formula, {**full, **{symbol: f * ratio for symbol, f, ratio in rows}})
 
-        deficit = self.deficit_value
-        return put(self.value, False), None if deficit is None else put(deficit, True)
+        return put(self.value, {}), tuple(put(h.rest, h.shared) for h in self.held)
 
-    def chart_factors(self, orders: Sequence[float], deficit: bool = False) -> list[Node]:
-        """What multiplies each P_i' / Q' in the chart; without `shared` if it is for the deficit."""
+    def chart_factors(self, orders: Sequence[float], shared: Mapping[str, float]) -> list[Node]:
+        """What multiplies each P_i' / Q' in the chart, without what is `shared`."""
         nodes = {name: scaled(name) for name in FEATURES}
-        shared = self.shared if deficit else {}
         out = []
         for factor, net in zip(self.factors, self.orders(orders), strict=True):
             rest = {n: e - shared.get(n, 0.0) for n, e in factor.items()}
@@ -146,8 +168,7 @@ class Head:
     @cached_property
     def inputs(self) -> tuple[str, ...]:
         """Names of the features in the formulas, in a fixed order."""
-        used = inputs(self.value) | (set() if self.deficit_value is None else inputs(self.deficit_value))
-        return tuple(sorted(used - set(self.symbols)))
+        return tuple(sorted(self._used - set(self.symbols)))
 
     def chart_inputs(self) -> list[Node]:
         """The features of `inputs` in the chart."""
@@ -172,7 +193,10 @@ HEADS: dict[str, Head] = {
              limits="E = 1 at alpha = 0, E = G1 at F0 = 0"),
         Head("masking-root", ({"alpha": 2.0, "v": 1.0},), "G1 + X", (), _ONE, "T - X",
              limits="E = 1 at alpha = 0, E = G1 at F0 = 0"),
-        Head("schlick-b", ({"alpha": 2.0, "u": 1.0},), "u**5 - X", limits="B = (1 - mu)^5 at alpha = 0"),
+        Head("schlick-b", ({"alpha": 2.0, "u": 1.0},), "u**5 - X", (), {}, "1 - u**5 + X", {"u": 1.0},
+             "u**4 - X", limits="B = (1 - mu)^5 at alpha = 0, 0 at mu = 1"),
+        Head("schlick-f82", ({"alpha": 2.0},), "mu*u**6 + X", surplus="mu*u**6 + X",
+             limits="mu (1 - mu)^6 at alpha = 0"),
         Head("two-point", ({"alpha": 1.0}, {"alpha": 1.0}, {}), "a*F1 + (1 - a)*F2",
              (("F1", "fresnel(saturate(mu + X1))"), ("F2", "fresnel(saturate(mu + X2))"),
               ("a", "saturate(X3)")),

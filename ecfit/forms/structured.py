@@ -155,11 +155,11 @@ class Structure:
         """Q in the coordinates."""
         return self.polynomials(coefficients)[-1]
 
-    def chart(self, coefficients: np.ndarray) -> tuple[Node, Node | None, Node]:
-        """Value, deficit (where there is one) and Q' in the corner chart (t, rho and other coordinates)."""
+    def chart(self, coefficients: np.ndarray) -> tuple[Node, tuple[Node, ...], Node]:
+        """Value, what the head holds >= 0, and Q' in the corner chart (t, rho and other coordinates)."""
         *numerators, q = self.polynomials(coefficients, in_chart=True)
-        value, deficit = self.head.in_chart([p / q for p in numerators], self.ratio_orders)
-        return value, deficit, q
+        value, held = self.head.in_chart([p / q for p in numerators], self.ratio_orders)
+        return value, held, q
 
     def columns(self, points: Mapping[str, np.ndarray]) -> list[np.ndarray]:
         """Values of all terms in the chart at points, one array (rows, terms) a numerator and Q."""
@@ -168,10 +168,18 @@ class Structure:
         nodes = [self.terms(e, True, low) for e, low in zip(groups, self.group_orders, strict=True)]
         return [_stack(n, inputs) for n in nodes]
 
-    def factors(self, points: Mapping[str, np.ndarray], deficit: bool = False) -> np.ndarray:
+    def factors(self, points: Mapping[str, np.ndarray]) -> np.ndarray:
         """What multiplies each P_i' / Q' at points, shape (ratios, rows); see `Head.chart_factors`."""
-        nodes = self.head.chart_factors(self.ratio_orders, deficit)
-        return _stack(nodes, chart_points(points)).T
+        return _stack(self.head.chart_factors(self.ratio_orders, {}), chart_points(points)).T
+
+    def held_factors(self, points: Mapping[str, np.ndarray]) -> np.ndarray:
+        """The same for each of what the head holds >= 0, shape (held, ratios, rows)."""
+        inputs = chart_points(points)
+        found = [
+            _stack(self.head.chart_factors(self.ratio_orders, h.shared), inputs).T for h in self.head.held
+        ]
+        rows = len(np.broadcast_arrays(*inputs.values())[0])
+        return np.stack(found) if found else np.empty((0, self.head.ratios, rows))
 
     def data(self, points: Mapping[str, np.ndarray]) -> np.ndarray:
         """The features that the head's formulas name at points, shape (names, rows)."""

@@ -24,7 +24,7 @@ CHART = {**POINTS, "rho": RHO, "t": POINTS["alpha"] / RHO}
 
 
 def charted(found: Head, order: float = 0.0):
-    """(value, deficit) in the chart with ratios rho^order (0.1 + 0.2 i + 0.3 t)."""
+    """(value, what is held) in the chart with ratios rho^order (0.1 + 0.2 i + 0.3 t)."""
     ratios = [const(0.1 + 0.2 * i) + 0.3 * var("t") for i in range(found.ratios)]
     return found.in_chart(ratios, [order] * found.ratios)
 
@@ -40,16 +40,16 @@ def test_the_chart_sees_the_same_value(name: str):
     )
 
 
-@pytest.mark.parametrize("name", [n for n, h in HEADS.items() if h.deficit])
-def test_one_less_the_value_is_shared_times_deficit(name: str):
+@pytest.mark.parametrize(("name", "which"), [(n, i) for n, h in HEADS.items() for i in range(len(h.held))])
+def test_deficit_and_surplus_are_what_is_left_to_the_ends(name: str, which: int):
     found = head(name)
-    got, deficit = charted(found)
-    assert deficit is not None
-    shared = monomial(found.shared, {n: scaled(n) for n in FEATURES})
+    got, rests = charted(found)
+    limit, rest = found.held[which], rests[which]
+    shared = monomial(limit.shared, {n: scaled(n) for n in FEATURES})
+    expected = value(got, CHART) if limit.name == "surplus" else 1.0 - value(got, CHART)
     # Of alpha and mu, t and m stand outside; the powers of rho are within.
-    np.testing.assert_allclose(
-        value(shared, CHART) * value(deficit, CHART) + 0.0 * RHO, 1.0 - value(got, CHART), atol=1e-12
-    )
+    product = value(shared, CHART) * value(rest, CHART) + 0.0 * RHO
+    np.testing.assert_allclose(product, expected + 0.0 * RHO, atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -127,8 +127,7 @@ def test_a_head_of_ones_own():
     points = {"mu": np.array(0.6), "alpha": np.array(0.25)}
     assert value(found.expression([const(0.8)]), points) == pytest.approx((1.0 - 0.2) ** 2)
     assert found.features == ("alpha",)
-    whole, deficit = charted(found)
-    assert deficit is not None
+    whole, (deficit,) = charted(found)
     np.testing.assert_allclose(value(deficit, CHART), 1.0 - value(whole, CHART), atol=1e-13)
     again = head_from(head_to_dict(found))
     assert head_to_dict(again) == head_to_dict(found)

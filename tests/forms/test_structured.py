@@ -55,15 +55,15 @@ def test_chart_and_coordinates_agree(name: str):
     coefficients = np.random.default_rng(3).uniform(0.0, 1.0, made.count)
     points = {**POINTS, "ior": 1.0 + POINTS["F0"]}
     expected = value(made.expression(coefficients), points)
-    in_chart, deficit, q = made.chart(coefficients)
+    in_chart, held, q = made.chart(coefficients)
     chart = chart_points(points)
     np.testing.assert_allclose(value(in_chart, chart), expected, rtol=1e-11, atol=1e-12)
     plain_q = value(made.denominator_expression(coefficients), points)
     np.testing.assert_allclose(value(q, chart), plain_q, rtol=1e-12)
-    assert (deficit is None) == (not made.head.deficit)
-    if deficit is not None:
-        shared = value(monomial(made.head.shared, {n: scaled(n) for n in FEATURES}), chart)
-        np.testing.assert_allclose(shared * value(deficit, chart), 1.0 - expected, atol=1e-11)
+    for limit, rest in zip(made.head.held, held, strict=True):
+        shared = value(monomial(limit.shared, {n: scaled(n) for n in FEATURES}), chart)
+        side = expected if limit.name == "surplus" else 1.0 - expected
+        np.testing.assert_allclose(shared * value(rest, chart), side, atol=1e-11)
 
 
 def test_the_charts_denominator_lacks_its_lowest_power_of_rho():
