@@ -192,11 +192,12 @@ _FORM_KEYS = {
     "polynomial": ("degree",),
     "rational": ("degree", "numerator", "denominator", "guarded"),
     "structured": ("head", "features", "terms", "start"),
-    "selected": ("head", "features", "within", "budget", "rounds", "seeds"),
+    "selected": ("head", "features", "within", "budget", "rounds", "seeds", "price"),
     "module": ("module", "module_settings"),
 }
 _OPTIONAL_KEYS = (
-    "degree", "numerator", "denominator", "guarded", "start", "rounds", "seeds", "module_settings",
+    "degree", "numerator", "denominator", "guarded", "start", "rounds", "seeds", "price",
+    "module_settings",
 )  # fmt: skip
 # Keys of a fit that a module does not take: it is fitted by least squares.
 _NOT_OF_MODULES = ("norm", "strength", "ridge", "monotone")
@@ -234,6 +235,10 @@ class FitsConfig(_Section):
     seeds: Annotated[
         int, Field(ge=1, le=1000, description="selected: searches, the best of which is kept")
     ] = 1
+    price: Annotated[
+        float,
+        Field(ge=0.0, le=1.0, description="selected: part of the error that an operation less is worth"),
+    ] = 0.0
     module: Annotated[
         str | None, Field(min_length=1, description="module: a registered name, or one from plugins")
     ] = None
@@ -297,7 +302,7 @@ class FitsConfig(_Section):
                 "numerators": [n.model_dump() for n in self.within.numerators],
                 "denominator": self.within.denominator.model_dump(),
             }
-            rest = {"rounds": self.rounds, "seeds": self.seeds}
+            rest = {"rounds": self.rounds, "seeds": self.seeds, "price": self.price, "budgets": self.budget}
             return [
                 {"head": self.head, "features": self.features, **bounds, "budget": b, **rest}
                 for b in self.budget or []

@@ -28,9 +28,9 @@ _GUARDED_Q = 2e-3
 # A guard where Q vanishes then weighs as much as a residual of 0.1 at one of as many rows: more than any fit
 # is worth.
 _GUARD_WEIGHT = 0.1 / _GUARDED_Q
-# Damping begins at 1, which is much for residuals of 1e-4, and falls by the default factor of 3.5 only where a
-# step's prediction is right to 1 %: most of 50 steps would go by before it is small. In this unit of the
-# residual, and so, 10 steps do.
+# Damping begins at 1, which is much for residuals of 1e-4, and falls by the default factor of 3.5 only where
+# a step's prediction is right to 1 %: most of 50 steps would go by before it is small. In this unit of the
+# residual, and with these factors, 10 steps do.
 _UNIT = 100.0
 _TRUST = {"high_cutoff": 0.75, "high_constant": 10.0, "low_constant": 0.1}
 # Rounds of the linearised start: it settles in a few or not at all.
@@ -336,13 +336,17 @@ class Descent:
             weight = self.root_w / new
         return out
 
+    def least_q(self, support: list[list[int]], leading: int, c: np.ndarray) -> float:
+        """The least Q at the rows and guards."""
+        own = c[len(c) - len(support[-1]) :]
+        tables = (self.columns[-1], self.guard_columns[-1])
+        return float(min((x[:, leading] + x[:, support[-1]] @ own).min() for x in tables))
+
     def rms(self, support: list[list[int]], leading: int, c: np.ndarray) -> float:
         """Weighted RMS residual; infinite where Q <= 0 at a row or guard."""
-        value, _, _, q = self.value(support, leading, c)
-        part = c[len(c) - len(support[-1]) :]
-        guards = self.guard_columns[-1]
-        if q.min() <= 0.0 or (guards[:, leading] + guards[:, support[-1]] @ part).min() <= 0.0:
+        if self.least_q(support, leading, c) <= 0.0:
             return np.inf
+        value = self.value(support, leading, c)[0]
         return float(np.linalg.norm((value - self.target.values) * self.root_w))
 
     def value(self, support: list[list[int]], leading: int, c: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -358,7 +362,7 @@ class Descent:
         value, slopes = slopes_at(rows.factors * ratios, rows.data, head=self.head)
         return np.asarray(value), np.asarray(slopes) * rows.factors, ratios, q
 
-    def _jacobian(
+    def jacobian(
         self, support: list[list[int]], leading: int, c: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Value, what multiplies a column of each group in the weighted Jacobian, and that of the support."""
@@ -369,7 +373,7 @@ class Descent:
 
     def gains(self, support: list[list[int]], leading: int, c: np.ndarray) -> list[np.ndarray]:
         """First-order gain of each candidate column: the part of the sum of squares it would take away."""
-        value, inner, jac = self._jacobian(support, leading, c)
+        value, inner, jac = self.jacobian(support, leading, c)
         r = (value - self.target.values) * self.root_w
         jac = jac / np.maximum(np.linalg.norm(jac, axis=0), 1e-300)
         basis = np.linalg.qr(jac)[0]
@@ -392,7 +396,7 @@ class Descent:
 
     def losses(self, support: list[list[int]], leading: int, c: np.ndarray) -> np.ndarray:
         """First-order loss of removing each coefficient: growth of the sum of squares."""
-        _, _, jac = self._jacobian(support, leading, c)
+        _, _, jac = self.jacobian(support, leading, c)
         norms = np.maximum(np.linalg.norm(jac, axis=0), 1e-300)
         triangle = np.linalg.qr(jac / norms, mode="r")
         inverse = np.linalg.pinv(triangle)

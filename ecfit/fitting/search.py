@@ -1,26 +1,39 @@
-"""Which terms to keep: floating forward and backward selection with swaps over a set of candidate terms.
+"""Which terms to keep: growth and exchanges of terms over a set of candidates, proposed in the tangent.
 
-Each step looks at the first-order gain of every candidate (or loss of every term) at once, fits the few
-best, and keeps the best of those: the result is the best form found for each number of coefficients.
-Deterministic: chance enters through the seed only.
+What is kept is the best form found for each number of coefficients. Deterministic: chance enters through the
+generator only.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ecfit.fitting.descent import REFUSED, Descent, Solved
+from ecfit.fitting.tangent import Proposal, Tangent
 
-# Candidates whose fits are tried at each step, and terms tried for removal.
-_TRIES = 4
-# A change must better the error by this part to be kept: ends cycles of equal forms.
+Support = list[list[int]]
+
+# Steps of a trial's descent: a good start settles in fewer. A new best descends again, at most so often.
+_STEPS, _POLISHES = 12, 4
+# Random changes in the tangent for a step of growth and for one of exploration.
+_CHANGES_GROWTH, _CHANGES = 20, 30
+# Fits for a step of growth; of proposals whose tangent has no positive Q, so many are rescued.
+_FITS, _RESCUED = 3, 10
+# While a form has fewer terms than this the tangent says little, and plain gains are tried too.
+_SMALL, _TRIES = 8, 4
+# Random terms are drawn by rank of their gain, exponentially with this mean.
+_RANK = 2.0
+# A change must better the error by this part to count.
 _LEAST_GAIN = 1e-3
-# Q's leading term gives way to one whose mean is this many times larger.
-_LEAD = 3.0
-# Exploration accepts forms that are worse by up to this part, and gives up after so many rounds.
-_TOLERATED = 0.1
-_PATIENCE = 40
+# Q's leading term gives way to one whose mean is this many times larger; in exploration, any whose mean is
+# this part of its own may lead, so that the leading one can go.
+_LEAD, _MAY_LEAD = 3.0, 0.05
+# Exploration accepts forms that are worse by up to this part, goes back to the best after so many fits
+# without a better one, and looks at so many proposals of one tangent.
+_TOLERATED, _PATIENCE, _STALE = 0.1, 40, 8
+# Q, of mean 1, counts as positive from here: above what a term of higher order is at the guards' corner.
+_LEAST_Q = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,218 +51,235 @@ class Found:
     def count(self) -> int:
         return sum(map(len, self.support))
 
+    @property
+    def chosen(self) -> Support:
+        return [list(s) for s in self.support]
+
+    @property
+    def denominator(self) -> np.ndarray:
+        """Coefficients of Q without its leading 1."""
+        return self.coefficients[self.count - len(self.support[-1]) :]
+
+    def led_by(self, heir: int) -> "Found":
+        """The same form with the coefficient 1 at Q's term of this position."""
+        first = self.count - len(self.support[-1])
+        columns, size = self.support[-1], self.coefficients[first + heir]
+        values = self.coefficients / size
+        values[first + heir] = 1.0 / size
+        swapped = (*columns[:heir], self.leading, *columns[heir + 1 :])
+        return replace(
+            self, support=(*self.support[:-1], swapped), leading=columns[heir], coefficients=values
+        )
+
 
 class Search:
-    """Selection of terms among the columns of a `Descent`."""
+    """Selection of terms among the columns of a `Descent`.
+
+    Args:
+        descent: candidates, target and guards.
+        strength: weight of what exceeds the head's limits.
+        operations: cost of a support and leading column in multiply-adds, or None.
+        price: relative growth of the error that one multiply-add less is worth.
+    """
 
     def __init__(
-        self, descent: Descent, *, strength: float = 1.0, least: float = 0.0, tries: int = _TRIES
+        self,
+        descent: Descent,
+        *,
+        strength: float = 1.0,
+        operations: Callable[[Support, int], float] | None = None,
+        price: float = 0.0,
     ) -> None:
-        self.descent, self.tries = descent, tries
-        self.settings = {"strength": strength, "least": least}
+        self.descent, self.strength = descent, strength
         self.best: dict[int, Found] = {}
         self.fits = 0
+        self._operations, self._price = operations, price
         self._means = descent.columns[-1].mean(axis=0)
+        self._tried: set[tuple] = set()
 
-    def fit(
-        self, support: Iterable[Iterable[int]], leading: int, start: np.ndarray, **settings: float
-    ) -> Found | None:
-        """The form on a support from a start; nothing where the descent fails."""
-        chosen = [list(s) for s in support]
-        # From both starts: either may lead to the better of two minima.
-        starts = [start]
-        linearised = self.descent.linearised(chosen, leading)
-        if linearised is not None and np.all(np.isfinite(linearised)):
-            starts.append(linearised)
-        found = _least([self._descend(chosen, leading, s, settings) for s in starts])
-        if found is None:
-            return None
-        self._remember(found)
+    def fit(self, support: Support, leading: int, start: np.ndarray) -> Found | None:
+        """The form on a support from a start, kept where it is the best of its size.
+
+        Nothing where the descent fails, or Q is not positive at a guard.
+        """
+        found = self._descend(support, leading, start)
+        if found is None or not self._is_best(found):
+            return found
+        for _ in range(_POLISHES):
+            further = self._descend(found.chosen, found.leading, found.coefficients)
+            if further is None or not further.objective < found.objective:
+                break
+            settled, found = further.objective > found.objective * (1.0 - _LEAST_GAIN), further
+            if settled:
+                break
+        self.best[found.count] = found
         return found
 
-    def _descend(
-        self, chosen: list[list[int]], leading: int, start: np.ndarray, settings: dict[str, float]
-    ) -> Found | None:
-        solved: Solved = self.descent.solve(chosen, leading, start, **{**self.settings, **settings})  # type: ignore[arg-type]
+    def _is_best(self, found: Found) -> bool:
+        old = self.best.get(found.count)
+        return old is None or self._dearness(found) < self._dearness(old)
+
+    def _dearness(self, found: Found) -> float:
+        """The error, and what it costs to evaluate the form."""
+        if self._operations is None or not self._price:
+            return found.objective
+        return found.objective * (1.0 + self._price * self._operations(found.chosen, found.leading))
+
+    def _descend(self, support: Support, leading: int, start: np.ndarray) -> Found | None:
+        solved: Solved = self.descent.solve(
+            support, leading, start, rtol=1e-3, max_steps=_STEPS, strength=self.strength
+        )
         self.fits += 1
         # Without Q > 0 at the end there is no form; not so for NaN.
         if not np.all(np.isfinite(solved.coefficients)) or not solved.objective < REFUSED:
             return None
-        return self._led(
-            Found(tuple(map(tuple, chosen)), leading, solved.coefficients, solved.rms, solved.objective)
-        )
+        found = Found(tuple(map(tuple, support)), leading, solved.coefficients, solved.rms, solved.objective)
+        if self.descent.least_q(support, leading, solved.coefficients) <= _LEAST_Q:
+            return None
+        # Q's largest term leads: a small one would make all coefficients large.
+        parts = found.denominator * self._means[list(found.support[-1])]
+        heir = int(np.argmax(parts)) if len(parts) else -1
+        worth = heir >= 0 and parts[heir] > _LEAD * self._means[found.leading]
+        return found.led_by(heir) if worth else found
 
-    def _led(self, found: Found) -> Found:
-        """The same form with Q's largest term leading: a small one would make all coefficients large."""
-        columns = found.support[-1]
-        if not columns:
-            return found
-        first = found.count - len(columns)
-        own = found.coefficients[first:]
-        parts = own * self._means[list(columns)]
-        heir = int(np.argmax(parts))
-        if parts[heir] <= _LEAD * self._means[found.leading]:
-            return found
-        values = found.coefficients / own[heir]
-        values[first + heir] = 1.0 / own[heir]
-        swapped = (*columns[:heir], found.leading, *columns[heir + 1 :])
-        return Found((*found.support[:-1], swapped), columns[heir], values, found.rms, found.objective)
+    def grow(self, found: Found, most: int, rng: np.random.Generator) -> None:
+        """Add terms, one at a time and with exchanges, up to `most` coefficients."""
+        while found.count < most:
+            tried = list(self._fitted(found, self._tangent(found).proposals(rng, _CHANGES_GROWTH, 1), _FITS))
+            if found.count < _SMALL or not tried:
+                tried += self._added(found)
+            if not tried:
+                return
+            found = self.best[found.count + 1]
 
-    def _remember(self, found: Found) -> None:
-        old = self.best.get(found.count)
-        if old is None or found.objective < old.objective:
-            self.best[found.count] = found
+    def _tangent(self, found: Found) -> Tangent:
+        return Tangent(self.descent, found.support, found.leading, found.coefficients)
 
-    def _add(self, found: Found) -> Found | None:
-        """The best form of one more term."""
-        gains = self.descent.gains([list(s) for s in found.support], found.leading, found.coefficients)
+    def _added(self, found: Found) -> list[Found]:
+        """Forms of one term more, by first-order gain alone."""
+        gains = self.descent.gains(found.chosen, found.leading, found.coefficients)
         flat = [(g, i, k) for i, gain in enumerate(gains) for k, g in enumerate(gain) if g > 0.0]
         flat.sort(key=lambda e: (-e[0], e[1], e[2]))
-        return _least([self._with(found, group, column) for _, group, column in flat[: self.tries]])
+        made = (self._with(found, group, column) for _, group, column in flat[:_TRIES])
+        return [f for f in made if f is not None]
 
-    def _drop(self, found: Found, position: int) -> Found | None:
-        """The form without one coefficient; position -1 is Q's leading term, whose 1 another then takes."""
-        support, at = [list(s) for s in found.support], position
-        if position < 0:
-            return self._drop_leading(found)
-        for group, columns in enumerate(support):
-            if at < len(columns):
-                if len(columns) == 1 and group < len(support) - 1:
-                    return None  # a numerator keeps a term
-                del columns[at]
-                break
-            at -= len(columns)
-        return self.fit(support, found.leading, np.delete(found.coefficients, position))
-
-    def _drop_leading(self, found: Found) -> Found | None:
-        support = [list(s) for s in found.support]
-        first = found.count - len(support[-1])
-        own = found.coefficients[first:]
-        if not len(own) or own.max() <= 0.0:
-            return None
-        heir = int(np.argmax(own))
-        leading = support[-1].pop(heir)
-        rest = np.delete(found.coefficients, first + heir) / own[heir]
-        return self.fit(support, leading, rest)
-
-    def _order(self, found: Found) -> np.ndarray:
-        """Positions of coefficients, the least missed first."""
-        return np.argsort(
-            self.descent.losses([list(s) for s in found.support], found.leading, found.coefficients),
-            kind="stable",
-        )
-
-    def _remove(self, found: Found) -> Found | None:
-        """The best form of one term less."""
-        return _least([self._drop(found, int(p)) for p in self._order(found)[: self.tries]])
-
-    def grow(self, found: Found, most: int) -> None:
-        """Floating forward selection up to `most` coefficients."""
-        current: Found | None = found
-        while current is not None and current.count < most:
-            current = self._add(current)
-            while current is not None and current.count > 3:
-                known = self.best.get(current.count - 1)
-                smaller = self._remove(current)
-                if smaller is None or known is None or not _better(smaller, known):
-                    break
-                current = smaller
-            if current is not None:
-                current = self.best[current.count]
-
-    def merge(self, other: "Search") -> None:
-        """Take over what another search of the same columns found better."""
-        for found in other.best.values():
-            self._remember(found)
-        self.fits += other.fits
-
-    def randomised(self, found: Found, rng: np.random.Generator, terms: int = 4) -> Found:
-        """The form with a few terms of high gain added, drawn by rank."""
-        for _ in range(terms):
-            found = self._add_random(found, rng) or found
-        return found
-
-    def shrink(self, found: Found, least: int) -> None:
-        """Backward elimination down to `least` coefficients."""
-        current: Found | None = found
-        while current is not None and current.count > least:
-            current = self._remove(current)
-
-    def swap(self, count: int, removals: int | None = None) -> None:
-        """Exchange single terms of the best form of `count` coefficients until none betters it."""
-        improved = True
-        while improved and count in self.best:
-            improved = False
-            best = self.best[count]
-            for position in [*self._order(best)[:removals], -1]:
-                smaller = self._drop(best, int(position))
-                if smaller is None:
-                    continue
-                found = self._add(smaller)
-                if found is not None and _better(found, best):
-                    improved = True
-                    break
-
-    def explore(self, count: int, rng: np.random.Generator, rounds: int) -> None:
-        """Random exchanges of one to four terms, accepted where they lose little: leads out of local minima.
-
-        Starts from the best form of `count` coefficients and returns to it after `_PATIENCE` rounds without
-        a better one.
-        """
-        if count not in self.best:
-            return
-        current, idle = self.best[count], 0
-        for _ in range(rounds):
-            trial = self._exchange(current, 1 + int(rng.geometric(0.5)) % 4, rng)
-            before = self.best[count] if trial is None else min(self.best[count], current, key=_objective)
-            if trial is not None and trial.objective < current.objective * (1.0 + _TOLERATED * rng.random()):
-                current = trial
-            idle = 0 if trial is not None and _better(trial, before) else idle + 1
-            if idle >= _PATIENCE:
-                current, idle = self.best[count], 0
-
-    def _exchange(self, found: Found, out: int, rng: np.random.Generator) -> Found | None:
-        """`out` terms dropped, the less missed the likelier, and as many added, by their gains."""
-        current: Found | None = found
-        for _ in range(min(out, found.count - 3)):
-            assert current is not None
-            order = self._order(current)
-            place = int(rng.exponential(0.3 * len(order)))
-            # Beyond the last: Q's leading term.
-            position = int(order[place]) if place < len(order) else -1
-            current = self._drop(current, position) or current
-        while current is not None and current.count < found.count:
-            current = self._add_random(current, rng)
-        return current
-
-    def _add_random(self, found: Found, rng: np.random.Generator) -> Found | None:
-        """One more term: among those of the highest gains, drawn by rank."""
-        gains = self.descent.gains([list(s) for s in found.support], found.leading, found.coefficients)
-        sizes = [len(g) for g in gains]
+    def with_random_term(self, found: Found, rng: np.random.Generator) -> Found:
+        """The form with one more term, drawn by rank of its gain; the form itself where it fails."""
+        gains = self.descent.gains(found.chosen, found.leading, found.coefficients)
+        ends = np.cumsum([len(g) for g in gains])
         order = np.argsort(-np.concatenate(gains), kind="stable")
-        place = int(order[min(int(rng.exponential(2.0)), len(order) - 1)])
-        group = 0
-        while place >= sizes[group]:
-            place, group = place - sizes[group], group + 1
-        return self._with(found, group, place)
+        place = int(order[min(int(rng.exponential(_RANK)), len(order) - 1)])
+        group = int(np.searchsorted(ends, place, side="right"))
+        return self._with(found, group, place - int(ends[group]) + len(gains[group])) or found
 
     def _with(self, found: Found, group: int, column: int) -> Found | None:
-        support = [list(s) for s in found.support]
+        """The better of two fits with one more term: from the coefficients at hand, and linearised."""
+        support, at = found.chosen, sum(map(len, found.support[: group + 1]))
         if column in support[group] or (group == len(support) - 1 and column == found.leading):
             return None
-        at = sum(len(s) for s in support[: group + 1])
         support[group].append(column)
-        return self.fit(support, found.leading, np.insert(found.coefficients, at, 0.0))
+        starts = [np.insert(found.coefficients, at, 0.0)]
+        linearised = self.descent.linearised(support, found.leading)
+        if linearised is not None and np.all(np.isfinite(linearised)):
+            starts.append(linearised)
+        made = (self.fit(support, found.leading, start) for start in starts)
+        return min((f for f in made if f is not None), key=_objective, default=None)
+
+    def _fitted(
+        self, found: Found, proposals: Iterable[Proposal], most: int, rescued: int = _RESCUED
+    ) -> Iterator[Found]:
+        """Fits of the most promising proposals that were not tried before."""
+        for proposal in proposals:
+            if most <= 0:
+                return
+            if not all(proposal.support[:-1]):
+                continue  # a numerator keeps a term
+            key = (
+                *(tuple(s) for s in proposal.support[:-1]),
+                *sorted([*proposal.support[-1], found.leading]),
+            )
+            if key in self._tried:
+                continue
+            self._tried.add(key)
+            start: np.ndarray | None = proposal.coefficients
+            if self._least_q(proposal.support, found.leading, start) <= _LEAST_Q:
+                if rescued <= 0:
+                    continue
+                rescued -= 1
+                start = self._rescue(found, proposal.support)
+                if start is None:
+                    continue
+            most -= 1
+            made = self.fit(proposal.support, found.leading, start)
+            if made is not None:
+                yield made
+
+    def _least_q(self, support: Support, leading: int, c: np.ndarray) -> float:
+        """The least Q on the rows: guards only pull, so a start may be below 0 there."""
+        columns = self.descent.columns[-1]
+        return float((columns[:, leading] + columns[:, support[-1]] @ c[len(c) - len(support[-1]) :]).min())
+
+    def _rescue(self, found: Found, support: Support) -> np.ndarray | None:
+        """A start with Q > 0: the coefficients of the terms that stay, or a linearised start."""
+        old = {
+            (g, j): v
+            for (g, j), v in zip(
+                ((g, j) for g, s in enumerate(found.support) for j in s), found.coefficients, strict=True
+            )
+        }
+        start = np.array([old.get((g, j), 0.0) for g, s in enumerate(support) for j in s])
+        if self._least_q(support, found.leading, start) > _LEAST_Q:
+            return start
+        linearised = self.descent.linearised(support, found.leading)
+        return linearised if linearised is not None and np.all(np.isfinite(linearised)) else None
+
+    def explore(self, count: int, rng: np.random.Generator, rounds: int) -> None:
+        """Exchange terms of the best form of `count` coefficients, with `rounds` fits.
+
+        Forms that lose little are accepted, which leads out of local minima; the search returns to the best
+        form after a while without a better one. First the best forms of one term less and more are tried
+        with a term more and less.
+        """
+        for start, more in ((count - 1, 1), (count + 1, -1)):
+            if start in self.best:
+                found = self.best[start]
+                proposals = self._tangent(found).proposals(rng, _CHANGES, more)
+                for _ in self._fitted(found, proposals, _FITS):
+                    pass
+        if count not in self.best:
+            return
+        current, idle, looked = self.best[count], 0, _STALE
+        trials: Iterator[Found] = iter(())
+        for _ in range(rounds):
+            if looked >= _STALE:
+                led = self._led(current, rng)
+                trials, looked = self._fitted(led, self._tangent(led).proposals(rng, _CHANGES), _STALE, 0), 0
+            before = self.best[count].objective
+            trial = next(trials, None)
+            looked = looked + 1 if trial is not None else _STALE
+            idle += 1
+            if trial is not None:
+                if self.best[count].objective < before:
+                    trial = self.best[count]
+                if trial.objective < current.objective * (1.0 + _TOLERATED * rng.random()):
+                    current, looked = trial, _STALE
+                if trial.objective < before * (1.0 - _LEAST_GAIN):
+                    idle = 0
+            if idle >= _PATIENCE:
+                current, idle, looked = self.best[count], 0, _STALE
+
+    def _led(self, found: Found, rng: np.random.Generator) -> Found:
+        """Half the time, the form led by another of Q's larger terms."""
+        parts = found.denominator * self._means[list(found.support[-1])]
+        heirs = np.flatnonzero(parts > _MAY_LEAD * self._means[found.leading])
+        return found.led_by(int(rng.choice(heirs))) if len(heirs) and rng.random() < 0.5 else found
+
+    def merge(self, found: Iterable[Found]) -> None:
+        """Take over forms of the same columns where they are better."""
+        for f in found:
+            if self._is_best(f):
+                self.best[f.count] = f
 
 
 def _objective(found: Found) -> float:
     return found.objective
-
-
-def _better(new: Found, old: Found) -> bool:
-    return new.objective < old.objective * (1.0 - _LEAST_GAIN)
-
-
-def _least(results: Iterable[Found | None]) -> Found | None:
-    good = [r for r in results if r is not None]
-    return min(good, key=lambda r: r.objective, default=None)

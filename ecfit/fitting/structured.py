@@ -1,7 +1,7 @@
 """Fits of structured forms: a start, the norm asked for, and a look for poles on the whole domain."""
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,11 +14,9 @@ from ecfit.fitting.monotone import held
 from ecfit.fitting.norms import NORMS, solve_in_norm
 from ecfit.fitting.result import Fit, judged
 from ecfit.fitting.samples import check_coordinates
-from ecfit.fitting.search import Search
-from ecfit.fitting.selection import Plan, descent_for, select
+from ecfit.fitting.selection import Choice, descent_for, evened, merged, select
 from ecfit.fitting.weights import entry_weights
 from ecfit.forms import Structure, head
-from ecfit.forms.candidates import chosen
 from ecfit.forms.specified import Selected, Structured
 from ecfit.tables import Table
 
@@ -120,28 +118,29 @@ def fit_selected(
     """Search the terms of a form, then fit them; see `ecfit.fit` for the arguments."""
     _norm(norm)
     _check_numbers(digits, settings.get("strength", 1.0), settings.get("ridge", 0.0))
-    search = run_search(table, form)
-    found = search.best[form.budget]
-    structure = chosen(form.whole, found.support, found.leading)
-    given = Structured(structure=structure, start=tuple(found.coefficients))
+    found = merged(searched(table, form, seed) for seed in range(form.seeds))
+    given = within_budget(form, found)
     return fit_structured(table, given, name=name, norm=norm, digits=digits, **settings)
 
 
-def run_search(table: Table, form: Selected) -> Search:
-    """All searches of a selected form; the result holds the best form of every size up to the budget."""
-    _check_rows(table, form.budget)
-    descent = descent_for(form.whole, table, domain_of(form.whole, table))
-    searches = [
-        select(descent, Plan((form.budget,), form.rounds, 1, seed=seed)) for seed in range(form.seeds)
-    ]
-    best = searches[0]
-    for other in searches[1:]:
-        best.merge(other)
-    if form.budget not in best.best:
+def searched(table: Table, form: Selected, seed: int) -> list[Choice]:
+    """What one of a form's searches finds: the best of every size. Raises `EcfitError` as `ecfit.fit`."""
+    _check_rows(table, max(form.budgets))
+    descent = evened(descent_for(form.whole, table, domain_of(form.whole, table)))
+    return select(descent, form, seed)
+
+
+def within_budget(form: Selected, found: Sequence[Choice]) -> Structured:
+    """The form of the budget among what was found, started at its coefficients.
+
+    Raises `EcfitError` where the searches found none.
+    """
+    choice = next((c for c in found if c.count == form.budget), None)
+    if choice is None:
         raise EcfitError(
             f"the search found no form of {form.budget} coefficients: allow more terms or rounds"
         )
-    return best
+    return Structured(structure=choice.structure, start=tuple(choice.coefficients))
 
 
 def _norm(name: str) -> Any:

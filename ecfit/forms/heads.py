@@ -147,7 +147,7 @@ class Head:
         return out
 
     def in_chart(self, ratios: Sequence[Node], orders: Sequence[float]) -> tuple[Node, tuple[Node, ...]]:
-        """Value and what is `held` in the corner chart, given P_i / Q divided by rho^order, and the orders."""
+        """Value and `held` in the corner chart, given the P_i / Q divided by rho^order, and orders."""
         full = dict(zip(self.inputs, self.chart_inputs(), strict=True))
 
         def put(formula: Node, shared: Mapping[str, float]) -> Node:

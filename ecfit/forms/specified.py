@@ -66,14 +66,19 @@ class Selected(Form):
         numerators: for each ratio, bounds of its terms (`Powers`, or a mapping of its fields).
         denominator: the same for Q.
         budget: number of coefficients.
-        rounds: random exchanges of terms tried.
+        rounds: fits of exchanges tried for each budget.
         seeds: searches, each with a seed of its own; the best is taken.
+        price: relative growth of the error that one multiply-add less is worth.
+        budgets: all numbers of coefficients that one search is for (the budget by default): forms that
+            differ in their budget only share their searches.
     """
 
     whole: Structure = eqx.field(static=True)
     budget: int = eqx.field(static=True)
     rounds: int = eqx.field(static=True)
     seeds: int = eqx.field(static=True)
+    price: float = eqx.field(static=True)
+    budgets: tuple[int, ...] = eqx.field(static=True)
 
     def __init__(
         self,
@@ -84,22 +89,28 @@ class Selected(Form):
         budget: int,
         rounds: int = 100,
         seeds: int = 1,
+        price: float = 0.0,
+        budgets: Sequence[int] = (),
     ) -> None:
         bounds = [_powers(n) for n in numerators]
         self.whole = candidates(head_from(head), tuple(features), bounds, _powers(denominator))
-        for label, value, least in (("budget", budget, 2), ("rounds", rounds, 0), ("seeds", seeds, 1)):
+        numbers = [("budget", b, 2) for b in (budget, *budgets)]
+        for label, value, least in (*numbers, ("rounds", rounds, 0), ("seeds", seeds, 1)):
             if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= 100_000:
                 raise EcfitError(f"{label} must be an integer >= {least}, got {value!r}")
         if len(self.whole.denominator) < 2:
             raise EcfitError("bounds of the denominator leave one term, its constant: allow more")
         # The search begins with a term of each numerator and a second one of Q.
-        if budget < len(self.whole.numerators) + 1:
-            raise EcfitError(
-                f"head '{self.whole.head.name}' needs a budget of at least {len(self.whole.numerators) + 1}"
-            )
-        if budget > self.whole.count:
-            raise EcfitError(f"the budget is {budget}, but there are only {self.whole.count} candidate terms")
-        self.budget, self.rounds, self.seeds = budget, rounds, seeds
+        least, most = len(self.whole.numerators) + 1, self.whole.count
+        for value in (budget, *budgets):
+            if value < least:
+                raise EcfitError(f"head '{self.whole.head.name}' needs a budget of at least {least}")
+            if value > most:
+                raise EcfitError(f"the budget is {value}, but there are only {most} candidate terms")
+        if isinstance(price, bool) or not isinstance(price, int | float) or not 0.0 <= price <= 1.0:
+            raise EcfitError(f"price must be in 0..1, got {price!r}")
+        self.budget, self.rounds, self.seeds, self.price = budget, rounds, seeds, float(price)
+        self.budgets = tuple(sorted({budget, *budgets}))
 
     @property
     def name(self) -> str:

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from ecfit.approximation import Approximation
 from ecfit.fitting import Fit
+from ecfit.fitting.selection import Choice, front
 from ecfit.metrics import Errors, predict, signed_error
 from ecfit.report.style import COLOURS, MARKERS, SIGNED, VALUES, look
 from ecfit.tables import Table
@@ -291,4 +292,26 @@ def table_and_estimate(name: str, table: Table) -> Figure:
             assert mesh is not None  # there is at least one plane
             figure.colorbar(mesh, ax=line, shrink=0.9, label=title if len(planes) > 1 else "")
         figure.suptitle(name, fontsize=9)
+    return figure
+
+
+def error_against_cost(name: str, found: Sequence[tuple[str, Sequence[Choice]]]) -> Figure:
+    """The best forms that searches found: error against coefficients and against operations, with fronts."""
+    with look():
+        figure = Figure(figsize=(9.6, 3.6), layout="constrained")
+        by_count, by_cost = figure.subplots(1, 2, sharey=True)
+        for i, (form, choices) in enumerate(found):
+            colour = f"C{i}"
+            errors = [c.rms for c in choices]
+            by_count.plot([c.count for c in choices], errors, "o-", color=colour, markersize=3.5, label=form)
+            costs = [c.cost.total for c in choices]
+            by_cost.plot(costs, errors, "o", color=colour, markersize=3.5, alpha=0.4)
+            best = front(choices)
+            by_cost.step(
+                [c.cost.total for c in best], [c.rms for c in best], where="post", color=colour, linewidth=1.2
+            )
+        by_count.set(xlabel="coefficients", ylabel="RMS error (weights of the search)", yscale="log")
+        by_cost.set(xlabel="operations, in multiply-adds (line: front)", yscale="log")
+        by_count.legend()
+        figure.suptitle(f"{name}: what the searches found")
     return figure

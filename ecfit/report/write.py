@@ -14,6 +14,7 @@ from ecfit.approximation import Approximation
 from ecfit.config import StudyConfig
 from ecfit.files import write_atomically, write_text
 from ecfit.fitting import Fit
+from ecfit.fitting.selection import Choice
 from ecfit.metrics import Errors
 from ecfit.report import figures
 from ecfit.report.coefficients import Comparison, compare
@@ -34,6 +35,8 @@ class StudyLike(Protocol):
     def fits(self) -> dict[str, list[Fit]]: ...
     @property
     def published(self) -> dict[str, list[tuple[Approximation, Errors]]]: ...
+    @property
+    def searches(self) -> dict[str, list[tuple[str, list[Choice]]]]: ...
     def warnings(self) -> list[str]: ...
 
 
@@ -78,9 +81,23 @@ def _headline_fits(fits: Sequence[Fit]) -> list[Fit]:
 
 
 def _pictures(
-    name: str, table: Table, fits: Sequence[Fit], published: Sequence[tuple[Approximation, Errors]]
+    name: str,
+    table: Table,
+    fits: Sequence[Fit],
+    published: Sequence[tuple[Approximation, Errors]],
+    searches: Sequence[tuple[str, Sequence[Choice]]],
 ) -> list[_Picture]:
     out = []
+    if searches:
+        out.append(
+            _Picture(
+                f"{name}-searches",
+                "The best form of every size that the searches of terms found: RMS error in the weights of "
+                "the search, before the fit in the norm asked for, against coefficients (left) and against "
+                "operations (right); on the line, nothing found is better for less.",
+                figures.error_against_cost(name, searches),
+            )
+        )
     if fits:
         out.append(
             _Picture(
@@ -163,7 +180,7 @@ def write_report(study: StudyLike) -> None:
     sections = []
     for name, table in study.tables.items():
         fits, published = study.fits.get(name, []), study.published.get(name, [])
-        pictures = _pictures(name, table, fits, published)
+        pictures = _pictures(name, table, fits, published, study.searches.get(name, []))
         svg = []
         for picture in pictures:
             bytes_ = rendered(picture.figure, "svg")

@@ -9,8 +9,11 @@ from pathlib import Path
 from ecfit.errors import EcfitError
 from ecfit.files import read_json, write_json
 from ecfit.fitting import Fit, Fitter
+from ecfit.fitting.structured import within_budget
+from ecfit.forms import Selected
 from ecfit.study.plan import Plan, PlannedFit
 from ecfit.study.plugins import load_plugins
+from ecfit.study.searches import found_for
 from ecfit.tables import Table
 from ecfit.tables.tabulate import versions
 from ecfit.workers import run_tasks, tell
@@ -31,6 +34,11 @@ def stored_fit(planned: PlannedFit, folder: Path) -> Fit | None:
         return Fit.from_dict(data, f"'{path}'") if data.get("key") == planned.key else None
     except (EcfitError, AttributeError):
         return None  # damaged: computed again and replaced
+
+
+def missing_fits(plan: Plan, folder: Path) -> list[PlannedFit]:
+    """The fits of a plan that are not on disk."""
+    return [planned for planned in plan.fits if stored_fit(planned, folder) is None]
 
 
 def load_fits(plan: Plan, folder: Path) -> dict[str, list[Fit]]:
@@ -76,7 +84,7 @@ def compute_fits(
 
     Raises `EcfitError` as `ecfit.fit` does; other fits keep their files.
     """
-    missing = [planned for planned in plan.fits if stored_fit(planned, folder) is None]
+    missing = missing_fits(plan, folder)
     tasks = []
     for name, path in tables.items():
         fits = tuple(planned for planned in missing if planned.table == name)
@@ -118,8 +126,11 @@ def _fit_table(task: TableFits) -> None:
 
 
 def _fit(fitter: Fitter, planned: PlannedFit, folder: Path) -> None:
+    form = planned.form
+    if isinstance(form, Selected):
+        form = within_budget(form, found_for(planned, folder))
     try:
-        fit = fitter.fit(planned.form, planned.name, **planned.settings)
+        fit = fitter.fit(form, planned.name, **planned.settings)
     except EcfitError as error:
         raise EcfitError(f"fit '{planned.label}': {error}") from None
     provenance = {**versions(), "table": str(fitter.table.provenance.get("key", ""))}

@@ -14,7 +14,7 @@ from ecfit.config import AxisConfig, CompareConfig, StudyConfig, TableConfig
 from ecfit.coordinates import Axis
 from ecfit.errors import EcfitError
 from ecfit.fitting.fit import check_asked, check_data
-from ecfit.forms import Form, form
+from ecfit.forms import Form, Selected, form
 from ecfit.forms.modules import factory_of
 from ecfit.quantities import quantity
 from ecfit.study.plugins import load_plugins
@@ -23,14 +23,17 @@ from ecfit.tables.given import full_range
 from ecfit.tables.tabulate import default_range, source_hash
 
 # Raise this when a change moves the coefficients of fits: it is part of every fit's key.
-FITTING_VERSION = 3
+FITTING_VERSION = 4
+# The same for what searches find.
+SEARCH_VERSION = 1
 
 
 @dataclass(frozen=True)
 class PlannedFit:
     """One form on one table. `label` names its file: table-form-degree, or the name that the config gives.
 
-    `settings` are those of `ecfit.fit` (norm, digits, ...), `name` what reports call the fit.
+    `settings` are those of `ecfit.fit` (norm, digits, ...), `name` what reports call the fit, `searches` the
+    keys of the searches that choose its terms.
     """
 
     table: str
@@ -39,11 +42,27 @@ class PlannedFit:
     key: str
     settings: Mapping[str, Any] = field(default_factory=dict)
     name: str | None = None
+    searches: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class PlannedSearch:
+    """One search of terms for a table. All budgets of a form share its searches, one a seed."""
+
+    table: str
+    form: Selected
+    seed: int
+    key: str
+
+    @property
+    def label(self) -> str:
+        """For messages and timings."""
+        return f"{self.table}, {self.form.name}, seed {self.seed}"
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A checked study: requests (or given tables) by name, fits in order.
+    """A checked study: requests (or given tables) by name, fits and searches in order.
 
     What is judged beside our fits is by table: published fits, and requests of look-up tables.
     """
@@ -51,6 +70,7 @@ class Plan:
     config: StudyConfig
     requests: dict[str, Request | Given]
     fits: tuple[PlannedFit, ...]
+    searches: tuple[PlannedSearch, ...]
     compare: dict[str, tuple[Approximation, ...]]
     lookups: dict[str, tuple[Request, ...]]
 
@@ -116,6 +136,7 @@ def make_plan(config: StudyConfig, base: Path) -> Plan:
     load_plugins(config.plugins, base)
     requests = {table.name: _request(table, base) for table in config.tables}
     fits: list[PlannedFit] = []
+    searches: dict[str, PlannedSearch] = {}
     for section in config.fits:
         for settings in section.settings():
             made = form(section.form, **settings)
@@ -134,12 +155,14 @@ def make_plan(config: StudyConfig, base: Path) -> Plan:
                     text += [settings, rest]
                 if section.module is not None:
                     text.append(source_hash(factory_of(section.module)))
-                key = hashlib.sha256(json.dumps(text).encode()).hexdigest()[:16]
+                key = _hash(text)
+                own = _searches(name, requests[name].key, made)
                 same = [f.key == key for f in fits if f.label == label]
                 if not all(same):
                     raise EcfitError(f"fit '{label}': two different fits have this name: give each a name")
                 if not same:
-                    fits.append(PlannedFit(name, made, label, key, rest, section.name))
+                    fits.append(PlannedFit(name, made, label, key, rest, section.name, tuple(own)))
+                    searches |= own
     compare: dict[str, tuple[Approximation, ...]] = {}
     lookups: dict[str, tuple[Request, ...]] = {}
     for section in config.compare:
@@ -149,7 +172,20 @@ def make_plan(config: StudyConfig, base: Path) -> Plan:
                 _check_coordinates(approximation, name, requests[name])
             compare[name] = compare.get(name, ()) + found
             lookups[name] = lookups.get(name, ()) + _lookups(section, name, requests[name])
-    return Plan(config, requests, tuple(fits), compare, lookups)
+    return Plan(config, requests, tuple(fits), tuple(searches.values()), compare, lookups)
+
+
+def _hash(text: list[Any]) -> str:
+    return hashlib.sha256(json.dumps(text).encode()).hexdigest()[:16]
+
+
+def _searches(table: str, key: str, form: Form) -> dict[str, PlannedSearch]:
+    """The searches of a form by key; none where it has its terms."""
+    if not isinstance(form, Selected):
+        return {}
+    same = [SEARCH_VERSION, key, form.whole.to_dict(), form.budgets, form.rounds, form.price]
+    found = [PlannedSearch(table, form, seed, _hash([*same, seed])) for seed in range(form.seeds)]
+    return {search.key: search for search in found}
 
 
 def _check_coordinates(approximation: Approximation, name: str, table: Request | Given) -> None:

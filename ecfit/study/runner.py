@@ -16,10 +16,12 @@ from ecfit.config import StudyConfig, read_config, to_toml
 from ecfit.errors import EcfitError
 from ecfit.files import make_folder, write_json, write_text
 from ecfit.fitting import Fit
+from ecfit.fitting.selection import Choice, front
 from ecfit.metrics import Errors, measure
 from ecfit.quadrature import FINE, STATUS
-from ecfit.study.fits import compute_fits, load_fits
+from ecfit.study.fits import compute_fits, load_fits, missing_fits
 from ecfit.study.plan import Plan, make_plan
+from ecfit.study.searches import compute_searches, load_searches
 from ecfit.tables import Given, Request, Table
 from ecfit.tables.tabulate import versions
 from ecfit.workers import check_workers
@@ -42,6 +44,11 @@ SUMMARY_COLUMNS = (
     "iterations",
 )
 
+# `rms` is in the search's own weights, `cost` in multiply-adds; `front`: none is better at less cost.
+SEARCH_COLUMNS = (
+    "table", "form", "coefficients", "rms", "multiply_adds", "divisions", "roots", "cost", "front",
+)  # fmt: skip
+
 
 @dataclass(frozen=True, eq=False)
 class Study:
@@ -53,6 +60,7 @@ class Study:
         tables: by name.
         fits: table name -> fits, in the order of the file.
         published: table name -> (published approximation or look-up table, its errors there).
+        searches: table name -> (form, the best that its searches found of every size).
         seconds: what was computed in this run -> wall seconds; empty for what was found on disk.
     """
 
@@ -61,6 +69,7 @@ class Study:
     tables: dict[str, Table]
     fits: dict[str, list[Fit]]
     published: dict[str, list[tuple[Approximation, Errors]]]
+    searches: dict[str, list[tuple[str, list[Choice]]]] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
 
     @property
@@ -122,6 +131,10 @@ def run(
         for name, requests in plan.lookups.items()
     }
     paths = {name: _table_path(request, root) for name, request in plan.requests.items()}
+    needed = {key for fit in missing_fits(plan, folder) for key in fit.searches}
+    if plan.searches:
+        with tell.stage("searches", len(plan.searches)) as advance:
+            compute_searches(plan, needed, path.parent, folder, paths, seconds, advance, workers)
     with tell.stage("fits", len(plan.fits)) as advance:
         compute_fits(plan, path.parent, folder, paths, seconds, advance, workers)
     study = _assemble(plan, folder, tables, lookups, load_fits(plan, folder), seconds)
@@ -158,7 +171,7 @@ def _assemble(
         name: [(a, measure(a, tables[name])) for a in (*found, *map(as_lookup, lookups[name]))]
         for name, found in plan.compare.items()
     }
-    return Study(plan.config, folder, tables, fits, published, seconds)
+    return Study(plan.config, folder, tables, fits, published, load_searches(plan, folder), seconds)
 
 
 def _resolved(config: StudyConfig, base: Path, folder: Path) -> dict[str, Any]:
@@ -204,6 +217,8 @@ def write_results(study: Study) -> None:
     from ecfit.report import write_report
 
     write_text(study.folder / "summary.csv", _csv(SUMMARY_COLUMNS, _summary_rows(study)))
+    if study.searches:
+        write_text(study.folder / "searches.csv", _csv(SEARCH_COLUMNS, _search_rows(study)))
     if study.seconds:
         rows = [(what, f"{seconds:.3f}") for what, seconds in study.seconds.items()]
         write_text(study.folder / "timings.csv", _csv(("what", "wall_seconds"), rows))
@@ -259,6 +274,25 @@ def _summary_rows(study: Study) -> Iterator[tuple[Any, ...]]:
                 "",
                 "",
             )
+
+
+def _search_rows(study: Study) -> Iterator[tuple[Any, ...]]:
+    for table, searches in study.searches.items():
+        for form, found in searches:
+            best = front(found)
+            for choice in found:
+                cost = choice.cost
+                yield (
+                    table,
+                    form,
+                    choice.count,
+                    _number(choice.rms),
+                    cost.multiply_adds,
+                    cost.divisions,
+                    cost.roots,
+                    f"{cost.total:g}",
+                    "yes" if choice in best else "",
+                )
 
 
 def _standing(approximation: Approximation, bound: float) -> str:

@@ -1,11 +1,17 @@
 """The search finds a planted form, repeatably, and its books are in order."""
 
+import itertools
+import json
+
 import numpy as np
 import pytest
 
+import ecfit
+from ecfit.approximation import StructuredFormula
+from ecfit.errors import EcfitError
 from ecfit.fitting.search import Search
-from ecfit.fitting.selection import Plan, located, select, structures, to_json
-from ecfit.forms import Structure
+from ecfit.fitting.selection import Choice, choices, first_form, front, merged, select
+from ecfit.forms.candidates import Powers
 
 
 def planted(mu):
@@ -18,63 +24,107 @@ def problem(curve):
 
 
 @pytest.fixture(scope="module")
-def searches(problem) -> list[Search]:
-    return [select(problem.descent, Plan((3, 4), rounds=4, repetitions=1, seed=seed)) for seed in (0, 0, 1)]
+def form(problem):
+    bounds = Powers({"mu": len(problem.structure.denominator) - 1})
+    made = ecfit.Selected("ratio", ("mu",), [bounds], bounds, budget=3, budgets=(3, 4), rounds=4)
+    assert made.whole.to_dict() == problem.structure.to_dict()
+    return made
+
+
+@pytest.fixture(scope="module")
+def searches(problem, form) -> list[list[Choice]]:
+    return [select(problem.descent, form, seed) for seed in (0, 0, 1)]
 
 
 def test_a_planted_form_is_found(searches):
-    for search in searches:
-        assert search.best[3].rms < 1e-5
-        assert sorted(search.best[3].support[0]) == [0, 3]
-        assert {search.best[3].leading, *search.best[3].support[1]} == {0, 2}
+    for found in searches:
+        (three,) = (c for c in found if c.count == 3)
+        assert three.rms < 1e-5
+        assert sorted(three.structure.numerators[0].ravel().tolist()) == [0.0, 3.0]
+        assert set(three.structure.denominator.ravel().tolist()) == {0.0, 2.0}
 
 
 def test_one_seed_gives_one_result(searches):
     first, again, _ = searches
-    assert first.fits == again.fits
-    assert first.best.keys() == again.best.keys()
-    for count, found in first.best.items():
-        other = again.best[count]
-        assert (found.support, found.leading) == (other.support, other.leading)
-        np.testing.assert_array_equal(found.coefficients, other.coefficients)
+    assert [c.to_dict() for c in first] == [c.to_dict() for c in again]
 
 
-def test_every_result_has_as_many_coefficients_as_its_key_says(problem, searches):
+def test_every_result_has_as_many_coefficients_as_its_key_says(problem):
+    search = Search(problem.descent)
+    rng = np.random.default_rng(0)
+    search.grow(first_form(search), 4, rng)
+    search.explore(3, rng, 5)
+    for count, found in search.best.items():
+        assert found.count == count == len(found.coefficients)
+        assert found.leading not in found.support[-1]
+        assert all(len(set(s)) == len(s) for s in found.support)
+        rms = problem.descent.rms(found.chosen, found.leading, found.coefficients)
+        assert rms == pytest.approx(found.rms, rel=1e-6, abs=1e-12)
+    assert [c.count for c in choices(problem.structure, search)] == sorted(search.best)
+
+
+def test_another_leading_term_is_the_same_form(problem):
+    search = Search(problem.descent)
+    rng = np.random.default_rng(0)
+    search.grow(first_form(search), 4, rng)
+    found = search.best[4]
+    value = problem.descent.value(found.chosen, found.leading, found.coefficients)[0]
+    for heir in range(len(found.support[-1])):
+        led = found.led_by(heir)
+        assert led.leading == found.support[-1][heir]
+        assert led.count == found.count
+        other = problem.descent.value(led.chosen, led.leading, led.coefficients)[0]
+        np.testing.assert_allclose(other, value, rtol=1e-9)
+
+
+def test_operations_have_a_price(curve):
+    """Of two forms of one size, the dearer has to be better by its price."""
+    descent = curve(lambda mu: np.exp(-2.0 * mu)).descent
+
+    def operations(support, leading):
+        return 1e6 if 3 in support[0] else 0.0
+
+    searches = [Search(descent, operations=operations, price=price) for price in (0.0, 1.0)]
+    errors = {}
     for search in searches:
-        for count, found in search.best.items():
-            assert found.count == count == len(found.coefficients)
-            assert found.leading not in found.support[-1]
-            assert all(len(set(s)) == len(s) for s in found.support)
-            rms = problem.descent.rms([list(s) for s in found.support], found.leading, found.coefficients)
-            assert rms == pytest.approx(found.rms, rel=1e-6, abs=1e-12)
+        for column in (1, 3):
+            found = search.fit([[0, column], [2]], 0, np.array([1.0, 0.1, 1.0]))
+            assert found is not None
+            errors[column] = found.objective
+    better = min(errors, key=errors.__getitem__)
+    assert better in searches[0].best[3].support[0]
+    assert max(errors.values()) < 1e6 * min(errors.values())
+    assert 1 in searches[1].best[3].support[0]
 
 
 def test_what_was_found_reads_back(problem, searches):
-    made = structures(problem.structure, searches[0])
-    written = to_json(problem.structure, searches[0])
-    assert [w["count"] for w in written] == sorted(made) == [s.count for s, _, _ in made.values()]
-    for entry in written:
-        again = Structure.from_dict(entry["structure"])
-        found = searches[0].best[entry["count"]]
-        assert located(problem.structure, again) == ([list(s) for s in found.support], found.leading)
+    for choice in searches[0]:
+        again = Choice.from_dict(json.loads(json.dumps(choice.to_dict())))
+        assert again.to_dict() == choice.to_dict()
+        formula = StructuredFormula(again.structure, again.coefficients)
+        error = formula.value([problem.table.axes[0].nominal]) - problem.table.values
+        rms = np.linalg.norm(error * problem.descent.root_w)
+        assert rms == pytest.approx(choice.rms, rel=1e-6, abs=1e-12)
 
 
-def test_a_merged_search_is_the_better_of_both(problem, searches):
-    merged = Search(problem.descent)
-    merged.merge(searches[0])
-    merged.merge(searches[2])
-    for count in merged.best:
-        both = [s.best[count].objective for s in (searches[0], searches[2]) if count in s.best]
-        assert merged.best[count].objective == min(both)
+def test_merged_keeps_the_best_and_the_front_only_what_is_not_beaten(searches):
+    best = merged(searches)
+    for choice in best:
+        of_size = [c.objective for found in searches for c in found if c.count == choice.count]
+        assert choice.objective == min(of_size)
+    line = front(best)
+    assert {id(c) for c in line} <= {id(c) for c in best}
+    for cheaper, dearer in itertools.pairwise(line):
+        assert dearer.cost.total >= cheaper.cost.total
+        assert dearer.objective < cheaper.objective
+    for choice in best:
+        assert any(c.objective <= choice.objective and c.cost.total <= choice.cost.total for c in line)
 
 
-def test_a_negative_target_is_searched_too(curve):
-    found = select(curve(lambda mu: -planted(mu)).descent, Plan((3,), rounds=0, repetitions=1))
-    assert found.best[3].rms < 1e-5
-
-
-def test_forms_whose_denominator_vanishes_are_none(problem):
-    """mu + c mu^2 is 0 at the first node whatever c: nothing is found there, and nothing remembered."""
-    search = Search(problem.descent)
-    assert search.fit([[0], [2]], 1, np.array([1.0, 1.0])) is None
-    assert search.best == {}
+def test_a_search_without_a_positive_denominator_says_so(curve):
+    found = curve(planted)
+    descent = found.descent
+    for table in (descent.columns[-1], descent.guard_columns[-1]):
+        table *= -1.0
+    with pytest.raises(EcfitError, match="no start of the search has a positive denominator"):
+        first_form(Search(descent))

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from ecfit.errors import EcfitError
-from ecfit.fitting.selection import located
 from ecfit.forms import head
 from ecfit.forms.candidates import Powers, candidates, chosen
 
@@ -47,29 +46,13 @@ def test_the_chosen_are_the_terms_asked_for():
     np.testing.assert_array_equal(made.denominator, rows[[7, 5, 2]][:, index])
 
 
-def test_located_and_chosen_are_inverse():
-    rng = np.random.default_rng(5)
-    n = len(BOUNDS.rows(FEATURES))
-    for _ in range(20):
-        # The numerator has the lowest terms: it must not outgrow its factor.
-        support = [sorted(rng.choice(n, 4, replace=False).tolist()), rng.choice(n, 4, replace=False).tolist()]
-        leading = support[1].pop()
-        try:
-            made = chosen(whole(), support, leading)
-        except EcfitError:
-            continue
-        assert located(whole(), made) == (support, leading)
-        again = chosen(whole(), *located(whole(), made))
-        assert again.to_dict() == made.to_dict()
-
-
-def test_a_term_beyond_the_candidates_is_told():
-    other = candidates(head("corner"), ("alpha", "mu"), [Powers({"mu": 4})], Powers({"mu": 4}))
-    with pytest.raises(EcfitError, match=r"the term .* is not among the candidates"):
-        located(whole(), other)
-    foreign = candidates(head("corner"), ("g", "mu"), [Powers({"g": 1})], Powers({"mu": 1}))
-    with pytest.raises(EcfitError, match="feature 'g' is not among those of the candidates: alpha, mu, r"):
-        located(whole(), foreign)
+def test_a_choice_that_outgrows_its_factor_is_refused():
+    """Without a term of low order in Q, P / Q is larger than the factor of the head can mend."""
+    bounds = Powers({"mu": 4}, lowest_order=1.0)
+    steep = candidates(head("ratio"), ("mu",), [bounds], bounds)
+    with pytest.raises(EcfitError, match="outgrows its factor"):
+        chosen(steep, [[0], [2]], 1)
+    assert chosen(steep, [[1], [2]], 1).count == 2
 
 
 @pytest.mark.parametrize(
