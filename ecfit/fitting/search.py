@@ -169,12 +169,6 @@ class Search:
             found = self._add_random(found, rng) or found
         return found
 
-    def shrink(self, found: Found, least: int) -> None:
-        """Backward elimination down to `least` coefficients."""
-        current: Found | None = found
-        while current is not None and current.count > least:
-            current = self._remove(current)
-
     def swap(self, count: int, removals: int | None = None) -> None:
         """Exchange single terms of the best form of `count` coefficients until none betters it."""
         improved = True
