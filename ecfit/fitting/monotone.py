@@ -9,9 +9,12 @@ from ecfit.errors import EcfitError
 from ecfit.fitting.descent import Descent, Pairs, Rows, Solved
 from ecfit.fitting.weights import axis_of
 from ecfit.forms import Structure
+from ecfit.tables import Table
 
 # Nodes an axis of the grid by the number of axes, clustered towards the ends, more so towards 0: the corner.
 _NODES = {1: 129, 2: 33, 3: 15}
+# A table contradicts a direction if its values go this far against it, and less than this part of that along.
+_AGAINST, _NOISE = 1e-3, 1e-2
 # Weights of the penalty, in turn until no difference is wrong by more than _ALLOWED: each descent starts
 # from the one before, as a heavy penalty at once would hold a descent on the edge.
 _WEIGHTS = (10.0, 100.0, 1000.0, 10000.0)
@@ -37,6 +40,20 @@ def directions(given: Any, axes: Sequence[str]) -> dict[str, int]:
         if out.setdefault(axis, int(sign)) != sign:
             raise EcfitError(f"monotone contradicts itself: '{coordinate}' is another view of '{axis}'")
     return out
+
+
+def check_truth(given: Any, table: Table) -> None:
+    """Raise `EcfitError` where a table does all but nothing of what `directions` ask of its fit."""
+    for axis, sign in directions(given, table.names).items():
+        steps = sign * np.diff(table.values, axis=table.names.index(axis))
+        # Of the line along the axis that goes furthest.
+        along, against = (np.maximum(s, 0.0).sum(axis=table.names.index(axis)).max() for s in (steps, -steps))
+        if against > _AGAINST and along < _NOISE * against:
+            verb, other = ("fall", "rise") if sign == 1 else ("rise", "fall")
+            raise EcfitError(
+                f"monotone: the table's values {verb} along {axis}, and hardly {other} anywhere: "
+                f"ask for {{'{axis}': {-sign}}}, or leave it out"
+            )
 
 
 def pairs_of(
