@@ -80,7 +80,8 @@ class Fitter:
             return found
         # Other norms than least squares begin from its solution.
         given = structured_from(found.approximation)
-        return fit_structured(self.table, given, name=name or found.approximation.name, **settings)
+        label = name or found.approximation.name
+        return fit_structured(self.table, given, name=label, max_steps=self.max_steps, **settings)
 
     def _fit_terms(self, form: TermsForm, name: str | None) -> Fit:
         table, label = self.table, name or f"{form.name} {form.degree}"

@@ -19,6 +19,8 @@ _AGAINST, _NOISE = 1e-3, 1e-2
 # from the one before, as a heavy penalty at once would hold a descent on the edge.
 _WEIGHTS = (10.0, 100.0, 1000.0, 10000.0)
 _ALLOWED = 1e-7
+# A difference wrong by more than this after the last descent is no monotone fit: it is not called converged.
+_HELD = 1e-5
 
 
 def directions(given: Any, axes: Sequence[str]) -> dict[str, int]:
@@ -90,16 +92,20 @@ def held(
     start: np.ndarray,
     solve: Callable[[np.ndarray], Solved],
 ) -> Solved:
-    """What `solve` finds from `start` with the penalty on `descent`, heavier until it holds."""
+    """What `solve` finds from `start` with the penalty on `descent`, heavier until it holds.
+
+    Not converged where it does not hold in the end.
+    """
     support = [list(range(len(n))) for n in structure.numerators]
     support.append(list(range(1, len(structure.denominator))))
     descent.pairs, steps = pairs_of(given, structure, domain), 0
-    solved = None
+    solved, least = None, -np.inf
     for weight in _WEIGHTS:
         descent.pair_weight = weight
         solved = solve(start)
         steps, start = steps + solved.steps, solved.coefficients
-        if descent.least_difference(support, 0, start) >= -_ALLOWED:
+        least = descent.least_difference(support, 0, start)
+        if least >= -_ALLOWED:
             break
     assert solved is not None
-    return solved._replace(steps=steps)
+    return solved._replace(steps=steps, converged=solved.converged and least >= -_HELD)

@@ -165,6 +165,17 @@ def test_monotone_in_another_view_and_the_other_direction(make_table, axes):
     assert np.diff(fit.approximation.on_grid(GRID), axis=along).max() < 2e-3
 
 
+def test_a_direction_that_the_truth_leaves_halfway_flattens_the_fit(make_table, unit_axis):
+    """What the penalty held is monotone, and said to have converged; what it could not hold is neither."""
+    table = make_table(lambda mu: 0.5 + 0.3 * np.sin(6.0 * mu), unit_axis("mu", 30))
+    fit = ecfit.fit(table, ecfit.Polynomial(5), monotone={"mu": 1})
+    assert fit.ok
+    assert np.diff(fit.approximation.on_grid(GRID[:1])).min() > -1e-5
+    assert fit.max_error > 0.2
+    hasty = ecfit.fit(table, ecfit.Polynomial(5), monotone={"mu": 1}, max_steps=1)
+    assert hasty.status == "not-converged"
+
+
 @pytest.mark.parametrize(
     ("monotone", "message"),
     [
