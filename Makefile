@@ -9,12 +9,17 @@ CONFIG ?= configs/quick.toml
 study: $(VENV)/.core
 	$(BIN)/ecfit run $(CONFIG)
 
-# Two processes, each with one thread of XLA: most of the time is compilation, which uses one.
+# Two processes of one thread each: most of the time is compilation, which uses one. With the environment of a
+# worker (`ecfit.workers.ONE_THREAD`) studies of one table fit in the test's own process.
+ONE_THREAD := PJRT_NPROC=1 OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 \
+	BLIS_NUM_THREADS=1 VECLIB_MAXIMUM_THREADS=1
+PYTEST := $(ONE_THREAD) $(BIN)/pytest -n 2 --dist loadfile
+
 test: $(VENV)/.test
-	PJRT_NPROC=1 OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist loadfile
+	$(PYTEST)
 
 test-all: $(VENV)/.test
-	$(BIN)/pytest -m ""
+	$(PYTEST) -m ""
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import equinox as eqx
 import numpy as np
 
 from ecfit._jax import jax, jnp
@@ -102,9 +103,14 @@ def check_bsdf(model: BSDF | type[BSDF] | str, *, samples: int = 500, seed: int 
     return BSDFCheck(name_of(bsdf), tuple(findings))
 
 
+@eqx.filter_jit
+def _f(model: BSDF, wo: np.ndarray, wi: np.ndarray) -> Array:
+    return jax.vmap(model.f)(jnp.asarray(wo), jnp.asarray(wi))
+
+
 def _values(bsdf: BSDF, point: dict[str, float], wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
-    made = bsdf.with_parameters({k: jnp.asarray(v) for k, v in point.items()})
-    return np.asarray(jax.jit(jax.vmap(made.f))(wo, wi))
+    # The model is an argument: all settings of its parameters share one compilation.
+    return np.asarray(_f(bsdf.with_parameters({k: jnp.asarray(v) for k, v in point.items()}), wo, wi))
 
 
 def _runs(bsdf: BSDF, wo: np.ndarray, wi: np.ndarray) -> Finding:

@@ -30,6 +30,18 @@ import ecfit
 from ecfit.workers import AGAIN, ONE_THREAD, check_workers, run_tasks, usable_cpus
 
 
+def one_thread(environment: pytest.MonkeyPatch) -> None:
+    """As if this process had been started with one compute thread."""
+    for name, value in ONE_THREAD.items():
+        environment.setenv(name, value)
+
+
+def many_threads(environment: pytest.MonkeyPatch) -> None:
+    """As if it had not, whatever the tests are run with."""
+    for name in ONE_THREAD:
+        environment.delenv(name, raising=False)
+
+
 def alive(pid: int) -> bool:
     """Whether a process runs; one that ended but that nobody has waited for does not."""
     try:
@@ -66,19 +78,17 @@ def test_results_are_in_the_order_of_the_tasks_and_told_in_that_of_time():
 
 
 def test_a_process_of_one_thread_needs_no_other_for_one_worker(monkeypatch: pytest.MonkeyPatch):
+    many_threads(monkeypatch)
     (other,) = run_tasks(process_of, [0], workers=1)
     assert other != os.getpid()
-    for name, value in ONE_THREAD.items():
-        monkeypatch.setenv(name, value)
+    one_thread(monkeypatch)
     assert run_tasks(process_of, [0, 1], workers=1) == [os.getpid()] * 2
     assert os.getpid() not in run_tasks(process_of, [0, 1], workers=2)
 
 
 @pytest.mark.parametrize("here", [False, True])
 def test_the_most_expensive_task_begins_first(here: bool, monkeypatch: pytest.MonkeyPatch):
-    if here:
-        for name, value in ONE_THREAD.items():
-            monkeypatch.setenv(name, value)
+    (one_thread if here else many_threads)(monkeypatch)
     heard: list[Any] = []
     assert run_tasks(slow_square, [1, 2, 3], workers=1, costs=[5.0, 9.0, 7.0], heard=heard.append) == [
         1,
@@ -130,7 +140,8 @@ def test_a_task_that_always_kills_its_worker_is_an_error_and_others_are_done(tmp
     assert 2 in finished
 
 
-def test_a_worker_has_one_compute_thread_and_this_process_keeps_its_own():
+def test_a_worker_has_one_compute_thread_and_this_process_keeps_its_own(monkeypatch: pytest.MonkeyPatch):
+    many_threads(monkeypatch)
     before = dict(os.environ)
     (found,) = run_tasks(look_around, [0], workers=1)
     assert dict(os.environ) == before

@@ -14,7 +14,7 @@ from ecfit.approximation.module import ModuleFormula
 from ecfit.approximation.structured import StructuredFormula
 from ecfit.approximation.written import Written
 from ecfit.contract import Contract
-from ecfit.coordinates import resolve
+from ecfit.coordinates import resolve, viewed
 from ecfit.errors import EcfitError, unknown
 from ecfit.expressions import Node
 from ecfit.forms import Minimum, Terms
@@ -163,12 +163,11 @@ class Approximation:
         nodes, order = [], []
         for variable in self.variables:
             for i, (name, values) in enumerate(axes.items()):
-                try:
-                    nodes.append(np.asarray(resolve([variable], {name: values})[variable]))
-                except EcfitError:
-                    continue
-                order.append(i)
-                break
+                found = viewed(variable, name, values)
+                if found is not None:
+                    nodes.append(np.asarray(found))
+                    order.append(i)
+                    break
         if len(nodes) != len(self.variables) or sorted(order) != list(range(len(axes))):
             raise EcfitError(
                 f"'{self.name}' is a function of {', '.join(self.variables)}, the table of {', '.join(axes)}"

@@ -6,7 +6,7 @@ from typing import Any
 
 from ecfit.approximation.approximation import Approximation
 from ecfit.bsdf import BSDF, as_model
-from ecfit.coordinates import Axis, Grid, resolve
+from ecfit.coordinates import Axis, Grid, viewed
 from ecfit.errors import EcfitError, unknown
 from ecfit.quantities import quantity as make_quantity
 from ecfit.tables import Request
@@ -96,9 +96,7 @@ def _axes(
 def _range(name: str, axes: Sequence[Axis]) -> tuple[str, tuple[float, float]]:
     """The axis that a coordinate in any view stands for, and the axis's range in that view."""
     for axis in axes:
-        try:
-            low, high = (float(resolve([name], {axis.name: end})[name]) for end in (axis.low, axis.high))
-        except EcfitError:
-            continue
-        return axis.name, (low, high)
+        low, high = (viewed(name, axis.name, end) for end in (axis.low, axis.high))
+        if low is not None and high is not None:
+            return axis.name, (float(low), float(high))
     raise EcfitError(f"no axis stands for '{name}': expected one of {', '.join(a.name for a in axes)}")

@@ -248,8 +248,8 @@ class FitsConfig(_Section):
     ] = None
     norm: Annotated[NormName, Field(description="what best means")] = "least-squares"
     digits: Annotated[int | None, Field(ge=3, le=17, description="coefficients rounded to these")] = None
-    strength: Annotated[float, Field(ge=0.0, description="weight of what exceeds the form's limits")] = 1.0
-    ridge: Annotated[float, Field(ge=0.0, description="weight of the coefficients' sizes")] = 0.0
+    strength: Annotated[float, Field(ge=0.0, description="weight of what keeps Q > 0 and E <= 1")] = 1.0
+    ridge: Annotated[float, Field(ge=0.0, description="weight of coefficients' sizes; no maximum norm")] = 0.0
     weights: Annotated[
         dict[str, float] | None,
         Field(min_length=1, description="coordinate = power: entries weigh coordinate^power"),

@@ -9,3 +9,4 @@ from ecfit.coordinates.views import VIEWS as VIEWS
 from ecfit.coordinates.views import View as View
 from ecfit.coordinates.views import resolve as resolve
 from ecfit.coordinates.views import view_of as view_of
+from ecfit.coordinates.views import viewed as viewed

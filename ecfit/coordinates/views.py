@@ -46,6 +46,17 @@ def view_of(name: str, parameters: Collection[str]) -> tuple[str, Map]:
     )
 
 
+def viewed(name: str, given: str, values: Array) -> Array | None:
+    """The coordinate `name` at values of the coordinate `given`; None where neither is a view of the other.
+
+    `viewed("r", "alpha", 0.25)` is 0.5.
+    """
+    try:
+        return resolve([name], {given: values})[name]
+    except EcfitError:
+        return None
+
+
 def resolve(names: Iterable[str], given: Mapping[str, Array]) -> dict[str, Array]:
     """The coordinates `names` from the `given` ones, each of which may be in another view.
 

@@ -9,12 +9,12 @@ from functools import cached_property, partial
 from typing import NamedTuple
 
 import equinox as eqx
-import lineax as lx
 import numpy as np
 import optimistix as optx
 
 from ecfit._jax import jax, jnp
 from ecfit.expressions.evaluate import JAX, evaluate
+from ecfit.fitting.bounded import BoundedLevenbergMarquardt
 from ecfit.forms.heads import Head
 
 Array = jax.Array
@@ -98,10 +98,10 @@ def _slopes_of(function, x):
     return jnp.stack([jax.jvp(function, (x,), (u,))[1] for u in unit])
 
 
-@partial(jax.jit, static_argnames=("head", "max_steps"))
+@partial(jax.jit, static_argnames="head")
 def _descend(
     z0, columns, q0, rows, values, root_w, guards, guard_q0, guard_rows, groups, rtol, strength, least,
-    ridge, pairs=None, *, head, max_steps,
+    ridge, max_steps, pairs=None, *, head,
 ):  # fmt: skip
     """Minimise; `columns` and `guards` are scaled so that their coefficients are of order 1."""
 
@@ -181,12 +181,10 @@ def _descend(
 
     solver = eqx.tree_at(
         lambda s: s.search,
-        optx.LevenbergMarquardt(rtol=rtol, atol=1e-13, linear_solver=lx.QR()),
+        BoundedLevenbergMarquardt(rtol, 1e-13, max_steps),
         optx.ClassicalTrustRegion(**_TRUST),
     )
-    solution = optx.least_squares(
-        lambda z, _: _UNIT * residual(z), solver, z0, max_steps=max_steps, throw=False
-    )
+    solution = optx.least_squares(lambda z, _: _UNIT * residual(z), solver, z0, max_steps=None, throw=False)
     z = solution.value
     p, q = sums(z, columns, q0)
     r = (evaluated(head.value, rows.factors * p / q, rows.data) - values) * root_w
@@ -270,9 +268,9 @@ class Descent:
             strength / np.sqrt(len(gq0)),
             least,
             ridge,
+            max_steps,
             self._pairs(support, leading, norms, unit, padded),
             head=self.head,
-            max_steps=max_steps,
         )
         return Solved(np.asarray(z)[:n] / norms, float(rms), float(objective), bool(converged), int(steps))
 

@@ -11,7 +11,7 @@ from ecfit.approximation import Approximation
 from ecfit.coordinates import Grid
 from ecfit.errors import EcfitError
 from ecfit.fitting.module_fit import fit_module
-from ecfit.fitting.monotone import directions
+from ecfit.fitting.monotone import check_truth, directions
 from ecfit.fitting.problem import Problem
 from ecfit.fitting.result import Fit, judged
 from ecfit.fitting.samples import check_coordinates
@@ -62,6 +62,7 @@ class Fitter:
         if isinstance(form, eqx.Module) and not isinstance(form, Form) and callable(form):
             form = ModuleForm(form)
         check_asked(form, settings, self.table.names)
+        check_truth(settings.get("monotone"), self.table)
         if isinstance(form, ModuleForm):
             return fit_module(self.table, form, name=name, max_steps=self.max_steps, **settings)
         if isinstance(form, Structured):
@@ -79,7 +80,8 @@ class Fitter:
             return found
         # Other norms than least squares begin from its solution.
         given = structured_from(found.approximation)
-        return fit_structured(self.table, given, name=name or found.approximation.name, **settings)
+        label = name or found.approximation.name
+        return fit_structured(self.table, given, name=label, max_steps=self.max_steps, **settings)
 
     def _fit_terms(self, form: TermsForm, name: str | None) -> Fit:
         table, label = self.table, name or f"{form.name} {form.degree}"
@@ -222,10 +224,12 @@ def fit(
             weights: of the entries in the norm's mean, an array of the table's shape, or coordinate -> power
                 ({"mu": 1} weights with mu); maximum norms only leave out entries of weight 0;
             digits: significant digits that the coefficients are rounded to;
-            strength: weight of what exceeds the form's limits (E <= 1, E >= 0);
-            ridge: weight of the size of the coefficients;
+            strength: weight of the penalties, at guards over the closed domain, that keep Q > 0 and, for
+                heads with a deficit, E <= 1; nothing holds E >= 0. With 0 the optimum may have poles.
+                Maximum norms keep to both limits at the guards whatever the strength;
+            ridge: weight of the size of the coefficients, for norms that are no maximum;
             monotone: {coordinate: 1 or -1} where the fit should not fall, or not rise, along the coordinate:
-                a penalty on a grid over the domain, not a proof.
+                a penalty on a grid over the domain, not a proof, for norms that are no maximum.
             Equinox modules take weights and digits.
 
     Returns a `Fit`, whose `status` says whether the solver converged and whether the denominator stays

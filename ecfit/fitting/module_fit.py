@@ -76,7 +76,7 @@ def fit_module(
         _denominator(module, make, names),
         points,
         table.values.ravel(),
-        _measure(table, weights),
+        _measure(table, weights, start.size),
         names,
     )
     domain = _domain(table, names)
@@ -150,11 +150,11 @@ def _domain(table: Table, names: Sequence[str]) -> tuple[tuple[float, float], ..
     return tuple((float(ends[0][n]), float(ends[1][n])) for n in names)
 
 
-def _measure(table: Table, weights: Any) -> np.ndarray:
+def _measure(table: Table, weights: Any, count: int) -> np.ndarray:
     measure = np.ones(1)
     for axis in table.axes:
         measure = np.multiply.outer(measure, weights_of(axis))
-    given = entry_weights(table, weights)
+    given = entry_weights(table, weights, count)
     measure = measure.ravel() if given is None else measure.ravel() * given
     return measure / measure.sum()
 

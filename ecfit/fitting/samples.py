@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ecfit.coordinates import Axis, resolve
+from ecfit.coordinates import Axis, viewed
 from ecfit.errors import EcfitError
 from ecfit.forms.features import COORDINATES
 from ecfit.tables import Table
@@ -33,17 +33,13 @@ def table_points(table: Table) -> tuple[dict[str, np.ndarray], np.ndarray]:
     weights = np.ones(1)
     mesh = np.meshgrid(*(a.nominal for a in table.axes), indexing="ij")
     for axis, values in zip(table.axes, mesh, strict=True):
-        known = False
-        for name in COORDINATES:
-            try:
-                found = resolve([name], {axis.name: values})[name]
-            except EcfitError:
-                continue
-            points[name], known = np.asarray(found).ravel(), True
+        found = {name: viewed(name, axis.name, values) for name in COORDINATES}
+        known = {name: np.asarray(v).ravel() for name, v in found.items() if v is not None}
         if not known:
             raise EcfitError(
                 f"axis '{axis.name}' is no coordinate of structured forms: {', '.join(COORDINATES)}"
             )
+        points |= known
         weights = np.multiply.outer(weights, weights_of(axis))
     return points, weights.ravel()
 
@@ -52,16 +48,11 @@ def check_coordinates(variables: Sequence[str], axes: Sequence[Axis]) -> None:
     """Raise `EcfitError` unless the variables of a form are those of a table, each of an axis of its own."""
     free = list(axes)
     for name in variables:
-        for axis in free:
-            try:
-                resolve([name], {axis.name: axis.nominal})
-            except EcfitError:
-                continue
-            free.remove(axis)
-            break
-        else:
+        axis = next((a for a in free if viewed(name, a.name, a.nominal) is not None), None)
+        if axis is None:
             free = list(axes)
             break
+        free.remove(axis)
     if free:
         raise EcfitError(
             f"the form is a function of {', '.join(variables)}, the table of "

@@ -3,11 +3,11 @@
 from functools import partial
 from typing import NamedTuple
 
-import lineax as lx
 import numpy as np
 import optimistix as optx
 
 from ecfit._jax import jax, jnp
+from ecfit.fitting.bounded import BoundedLevenbergMarquardt
 from ecfit.fitting.linear import linear_least_squares
 from ecfit.fitting.problem import Problem, blocks
 from ecfit.forms.terms import monomials
@@ -37,8 +37,8 @@ def _split(problem_terms: tuple[int, int], y: Array) -> tuple[Array, Array]:
     return p, jnp.concatenate([jnp.ones(1), q])
 
 
-@partial(jax.jit, static_argnames=("sizes", "max_steps", "guarded"))
-def _solve(y, scale, columns_p, columns_q, f, w, guards, barrier, rtol, *, sizes, max_steps, guarded):
+@partial(jax.jit, static_argnames=("sizes", "guarded"))
+def _solve(y, scale, columns_p, columns_q, f, w, guards, barrier, rtol, max_steps, *, sizes, guarded):
     """Levenberg-Marquardt without ever holding all rows' Jacobian; arrays come in blocks of rows.
 
     It sees the residual r and Jacobian J only through r'r, J'r and J'J. Those are summed over blocks of
@@ -90,10 +90,8 @@ def _solve(y, scale, columns_p, columns_q, f, w, guards, barrier, rtol, *, sizes
         value, jacobian = root(primals[0])
         return value, jacobian @ tangents[0]
 
-    solver = optx.LevenbergMarquardt(rtol=rtol, atol=1e-14, linear_solver=lx.QR())
-    solution = optx.least_squares(
-        lambda z, _: residual(z), solver, y / scale, max_steps=max_steps, throw=False
-    )
+    solver = BoundedLevenbergMarquardt(rtol, 1e-14, max_steps)
+    solution = optx.least_squares(lambda z, _: residual(z), solver, y / scale, max_steps=None, throw=False)
     converged = solution.result == optx.RESULTS.successful
     return solution.value, converged, solution.stats["num_steps"]
 
@@ -129,8 +127,8 @@ def solve(
         problem.guards,
         barrier / np.sqrt(len(problem.guards)),
         rtol,
+        max_steps,
         sizes=sizes,
-        max_steps=max_steps,
         guarded=guarded,
     )
     y = np.asarray(z) * scale

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ecfit.approximation import Approximation, StructuredFormula
-from ecfit.coordinates import resolve
+from ecfit.coordinates import viewed
 from ecfit.errors import EcfitError, unknown
 from ecfit.fitting.descent import Descent, Solved
 from ecfit.fitting.monotone import held
@@ -24,6 +24,8 @@ from ecfit.tables import Table
 _FINAL = {"rtol": 1e-8, "max_steps": 400}
 # Where the optimum has a pole in the domain, limits are weighted this much more, this often.
 _HARDER, _ROUNDS = 30.0, 3
+# What only descents can hold, no linear program.
+_DESCENTS_ONLY = ("ridge", "monotone")
 # Arguments of `fit` itself.
 _NO_SETTINGS = ("table", "form", "name", "max_steps")
 # alpha and mu of a structured form are covered to their closed ends, whatever the table's range.
@@ -38,11 +40,9 @@ def domain_of(structure: Structure, table: Table) -> dict[str, tuple[float, floa
 
 def _range(table: Table, name: str) -> tuple[float, float]:
     for axis in table.axes:
-        try:
-            low, high = (float(resolve([name], {axis.name: v})[name]) for v in (axis.low, axis.high))
-        except EcfitError:
-            continue
-        return low, high
+        low, high = (viewed(name, axis.name, end) for end in (axis.low, axis.high))
+        if low is not None and high is not None:
+            return float(low), float(high)
     raise EcfitError(f"the table has no coordinate {name}")
 
 
@@ -70,9 +70,7 @@ def fit_structured(
     settings: dict[str, Any] = {**_FINAL, "strength": strength, "ridge": ridge}
     if max_steps is not None:
         settings["max_steps"] = max_steps
-    measure, extra = _norm(norm), entry_weights(table, weights)
-    if monotone and np.isinf(measure.power):
-        raise EcfitError(f"monotone is not for the norm '{norm}', which is a linear program: use 'l8'")
+    measure, extra = _norm(norm), entry_weights(table, weights, structure.count)
 
     def solve(start: np.ndarray) -> Solved:
         return solve_in_norm(descent, support, 0, start, measure, extra, **settings)
@@ -84,7 +82,8 @@ def fit_structured(
         else:
             solved = solve(start)
         fit = _finished(table, structure, solved, name, digits, starts=trial)
-        if fit.status != "pole" or not strength or trial > _ROUNDS:
+        # A linear program keeps the limits by itself: it would be the same again.
+        if fit.status != "pole" or not strength or np.isinf(measure.power) or trial > _ROUNDS:
             return fit
         settings["strength"] *= _HARDER
         trial += 1
@@ -118,6 +117,7 @@ def fit_selected(
     """Search the terms of a form, then fit them; see `ecfit.fit` for the arguments."""
     _norm(norm)
     _check_numbers(digits, settings.get("strength", 1.0), settings.get("ridge", 0.0))
+    entry_weights(table, settings.get("weights"), form.budget)  # told before the search
     found = merged(searched(table, form, seed) for seed in range(form.seeds))
     given = within_budget(form, found)
     return fit_structured(table, given, name=name, norm=norm, digits=digits, **settings)
@@ -150,11 +150,19 @@ def _norm(name: str) -> Any:
 
 
 def check_settings(settings: Mapping[str, Any]) -> None:
-    """Raise `EcfitError` for settings that no fit of a structured form takes."""
+    """Raise `EcfitError` for settings that no fit of a structured form takes, or not with its norm."""
     known = [n for n in inspect.signature(fit_structured).parameters if n not in _NO_SETTINGS]
     for name in settings:
         if name not in known:
             raise unknown("setting of fit", name, known)
+    norm = settings.get("norm", "least-squares")
+    if np.isinf(_norm(norm).power):
+        for name in _DESCENTS_ONLY:
+            if settings.get(name):
+                raise EcfitError(
+                    f"{name} has no effect in the norm '{norm}', which is a linear program: "
+                    f"use the norm 'l8', or leave {name} out"
+                )
 
 
 def _check_numbers(digits: Any, strength: Any, ridge: Any) -> None:

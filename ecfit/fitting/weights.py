@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ecfit.coordinates import resolve
+from ecfit.coordinates import viewed
 from ecfit.errors import EcfitError
 from ecfit.tables import Table
 
@@ -13,11 +13,8 @@ from ecfit.tables import Table
 def axis_of(coordinate: str, axes: Sequence[str]) -> str:
     """The axis that a coordinate in any view stands for. Raises `EcfitError` where there is none."""
     for name in axes:
-        try:
-            resolve([coordinate], {name: 0.5})
-        except EcfitError:
-            continue
-        return name
+        if viewed(coordinate, name, 0.5) is not None:
+            return name
     raise EcfitError(f"the table has no coordinate '{coordinate}': its axes are {', '.join(axes)}")
 
 
@@ -29,14 +26,16 @@ def check_powers(given: Mapping[str, Any], axes: Sequence[str]) -> None:
             raise EcfitError(f"weights: {coordinate} needs a power, a finite number, got {power!r}")
 
 
-def entry_weights(table: Table, given: Any) -> np.ndarray | None:
+def entry_weights(table: Table, given: Any, count: int) -> np.ndarray | None:
     """Weights of all entries, flat, of mean 1; None where none are given.
 
     Args:
+        count: of the coefficients that the weighted entries have to determine.
         given: an array of the table's shape, or coordinate -> power: the weight is the product of
             coordinate^power, at the coordinates that a fit sees.
 
-    Raises `EcfitError` for anything else, and for weights that are negative, not finite or all 0.
+    Raises `EcfitError` for anything else, for weights that are negative, not finite or all 0, and for fewer
+    positive ones than coefficients.
     """
     if given is None:
         return None
@@ -48,7 +47,7 @@ def entry_weights(table: Table, given: Any) -> np.ndarray | None:
         )
         for coordinate, power in given.items():
             name = axis_of(coordinate, table.names)
-            values = np.asarray(resolve([coordinate], {name: mesh[name]})[coordinate])
+            values = np.asarray(viewed(coordinate, name, mesh[name]))
             with np.errstate(divide="ignore", invalid="ignore"):
                 weights = weights * values ** float(power)
     else:
@@ -61,5 +60,11 @@ def entry_weights(table: Table, given: Any) -> np.ndarray | None:
     if not np.all(np.isfinite(weights)) or np.any(weights < 0.0) or not np.any(weights > 0.0):
         raise EcfitError(
             "weights must be finite, not negative and not all 0: a negative power needs an axis without 0"
+        )
+    positive = np.count_nonzero(weights)
+    if positive < count:
+        raise EcfitError(
+            f"the form has {count} coefficients, but only {positive} of {weights.size} entries have a weight "
+            "above 0: choose fewer terms or weigh more entries"
         )
     return weights.ravel() / weights.mean()

@@ -55,8 +55,8 @@ ROUGH = (0.5, 1.0)
     [
         ("entering", "reflection", 3, 1e-6),
         # Refracted light fills a cone only, and F has a root at the critical angle: bends between the panels.
-        ("entering", "transmission", 3, 5e-3),
-        ("leaving", "reflection", 3, 5e-3),
+        pytest.param("entering", "transmission", 3, 5e-3, marks=pytest.mark.slow),
+        pytest.param("leaving", "reflection", 3, 5e-3, marks=pytest.mark.slow),
         ("leaving", "transmission", 3, 5e-3),
     ],
 )

@@ -37,7 +37,7 @@ def read(tmp_path: Path, text: str) -> StudyConfig:
 
 
 @pytest.mark.parametrize(
-    "path", [*sorted((ROOT / "configs").glob("*.toml")), ROOT / "examples" / "ward.toml"]
+    "path", [*sorted((ROOT / "configs").glob("*.toml")), *sorted((ROOT / "examples").glob("*.toml"))]
 )
 def test_shipped_configs_are_valid(path: Path):
     assert read_config(path).tables

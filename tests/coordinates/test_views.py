@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ecfit.coordinates import VIEWS, resolve, view_of
+from ecfit.coordinates import VIEWS, resolve, view_of, viewed
 from ecfit.errors import EcfitError
 
 UNIT = st.floats(1e-3, 0.999)
@@ -22,6 +22,14 @@ def test_a_coordinate_survives_the_way_to_the_parameter_and_back(name, x):
     of = VIEWS[name].of
     there = resolve([of], {name: x})[of]
     assert resolve([name], {of: there})[name] == pytest.approx(x, rel=1e-12)
+
+
+def test_a_coordinate_is_seen_in_its_own_axis_and_no_other():
+    assert viewed("mu", "mu", 0.3) == 0.3
+    assert viewed("r", "alpha", 0.25) == 0.5
+    assert viewed("ior", "F0", 0.04) == pytest.approx(1.5)
+    assert viewed("r", "mu", 0.25) is None
+    assert viewed("F0", "rho", 0.25) is None
 
 
 def test_coordinates_pass_through_in_the_order_asked_for():

@@ -172,6 +172,17 @@ def test_bad_tables_and_settings_are_told(exact, make_table):
         (exact, {"digits": 4.0}, "digits must be an integer"),
         (exact, {"strength": -1.0}, "strength must be a number >= 0"),
         (exact, {"ridge": float("nan")}, "ridge must be a number >= 0"),
+        (
+            exact,
+            {"norm": "minimax", "ridge": 0.1},
+            "ridge has no effect in the norm 'minimax'.*use",
+        ),
+        (exact, {"norm": "furnace-max", "monotone": {"mu": 1}}, "monotone has no effect in the norm 'furn"),
+        (exact, {"weights": np.zeros((12, 12))}, "weights must be finite, not negative and not all 0"),
+        (exact, {"weights": np.eye(12)[:, :1] * np.eye(12)[0]}, "10 coefficients, but only 1 of 144 entries"),
+        (exact, {"monotone": {"F0": 1}}, "no coordinate 'F0': its axes are r, mu"),
+        (exact, {"monotone": {"r": 1}}, "monotone: the table's values fall along r, .*ask for {'r': -1}"),
+        (exact, {"monotone": {"alpha": 1}}, "monotone: the table's values fall along r"),
     ]
     for table, settings, words in cases:
         with pytest.raises(ecfit.EcfitError, match=words) as caught:

@@ -68,7 +68,10 @@ def test_the_average_albedo_of_simple_models_is_exact(model, expected):
     assert abs(float(found.value) - expected) <= float(found.error) + 1e-14
 
 
-@pytest.mark.parametrize(("ndf", "masking"), [("ggx", "separable"), ("beckmann", "height-correlated")])
+@pytest.mark.parametrize(
+    ("ndf", "masking"),
+    [("ggx", "separable"), pytest.param("beckmann", "height-correlated", marks=pytest.mark.slow)],
+)
 def test_the_average_albedo_is_the_weighted_mean_of_the_directional_one(ndf, masking, panels):
     """Honest and accurate. E(mu) turns within mu ~ r^2: between the nodes of the average's rule."""
     model = ecfit.model("conductor", ndf=ndf, masking=masking)

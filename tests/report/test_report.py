@@ -36,7 +36,7 @@ def test_every_figure_draws_tables_of_one_to_three_dimensions(counts: tuple[int,
     ):
         svg = rendered(figure, "svg")
         ElementTree.fromstring(svg)
-        assert rendered(figure, "png").startswith(b"\x89PNG")
+    assert rendered(figure, "png").startswith(b"\x89PNG")
 
 
 def test_figures_are_byte_identical():
@@ -69,9 +69,14 @@ figures = []
 """
 
 
-def test_the_page_is_self_contained_and_well_formed(tmp_path: Path):
-    (tmp_path / "page.toml").write_text(CONFIG)
-    study = ecfit.run(tmp_path / "page.toml", tmp_path)
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> ecfit.Study:
+    folder = tmp_path_factory.mktemp("page")
+    (folder / "page.toml").write_text(CONFIG)
+    return ecfit.run(folder / "page.toml", folder)
+
+
+def test_the_page_is_self_contained_and_well_formed(study):
     page = study.report.read_text()
     assert len(page) < 1_000_000
     assert page.count("<svg") == 5
@@ -84,12 +89,11 @@ def test_the_page_is_self_contained_and_well_formed(tmp_path: Path):
     assert "Contract" in page
 
 
-def test_text_from_outside_is_escaped(tmp_path: Path):
-    (tmp_path / "page.toml").write_text(CONFIG)
-    study = ecfit.run(tmp_path / "page.toml", tmp_path)
+def test_text_from_outside_is_escaped(study, tmp_path: Path):
     table = study.tables["e"]
     contract = dataclasses.replace(table.contract, model="<script>alert(1)</script>")
     hostile = dataclasses.replace(table, contract=contract)
-    report.write_report(dataclasses.replace(study, tables={"e": hostile}))
-    assert "<script>" not in study.report.read_text()
-    assert "&lt;script&gt;" in study.report.read_text()
+    other = dataclasses.replace(study, folder=tmp_path, tables={"e": hostile})
+    report.write_report(other)
+    assert "<script>" not in other.report.read_text()
+    assert "&lt;script&gt;" in other.report.read_text()

@@ -52,6 +52,7 @@ def test_formulas_and_tables_have_a_row_each(finished):
     assert float(rows[1]["mae"]) < float(rows[2]["mae"])
 
 
+@pytest.mark.usefixtures("no_report")
 def test_tables_lie_with_the_others_and_are_computed_once(finished):
     folder, study = finished
     assert len(list((folder / "results/tables").glob("*.npz"))) == 3

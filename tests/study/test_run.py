@@ -13,7 +13,6 @@ import pytest
 
 import ecfit
 from ecfit.study import runner
-from ecfit.workers import ONE_THREAD
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"
 
@@ -40,17 +39,8 @@ figures = ["svg"]
 """
 
 
-@pytest.fixture(scope="module", autouse=True)
-def here() -> Iterator[pytest.MonkeyPatch]:
-    """Fits in this process, where each uses what XLA compiled for the last; undone for tests of workers."""
-    with pytest.MonkeyPatch.context() as environment:
-        for name, value in ONE_THREAD.items():
-            environment.setenv(name, value)
-        yield environment
-
-
 @pytest.fixture(scope="module")
-def finished(here, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, ecfit.Study]:
+def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, ecfit.Study]:
     """(config, results folder, study) of the small study, run once."""
     folder = tmp_path_factory.mktemp("study")
     config = folder / "small.toml"
@@ -64,6 +54,15 @@ def files(folder: Path) -> dict[str, bytes]:
         str(p.relative_to(folder)): p.read_bytes()
         for p in sorted(folder.rglob("*"))
         if p.is_file() and p.name != "timings.csv"
+    }
+
+
+def numbers(folder: Path) -> dict[str, bytes]:
+    """Those that a run without a report writes."""
+    return {
+        name: content
+        for name, content in files(folder).items()
+        if "figures/" not in name and not name.endswith(("report.html", "report.md"))
     }
 
 
@@ -100,12 +99,7 @@ def test_running_again_computes_nothing_and_changes_no_byte(finished):
     assert files(results) == before
 
 
-def test_two_fresh_runs_are_byte_identical(finished, tmp_path: Path):
-    config, results, _ = finished
-    ecfit.run(config, tmp_path / "other")
-    assert files(tmp_path / "other" / "small") == files(results / "small")
-
-
+@pytest.mark.usefixtures("no_report")
 def test_only_what_changed_is_computed_again(finished, tmp_path: Path):
     config, results, _ = finished
     copy = tmp_path / "results"
@@ -113,9 +107,10 @@ def test_only_what_changed_is_computed_again(finished, tmp_path: Path):
     (copy / "small" / "fits" / "e-polynomial-2.json").unlink()
     (copy / "small" / "fits" / "e-rational-1.json").write_text("{ half a file")
     assert set(ecfit.run(config, copy).seconds) == {"fit e-polynomial-2", "fit e-rational-1"}
-    assert files(copy / "small") == files(results / "small")
+    assert numbers(copy / "small") == numbers(results / "small")
 
 
+@pytest.mark.usefixtures("no_report")
 def test_a_damaged_table_is_computed_again(finished, tmp_path: Path):
     config, results, _ = finished
     copy = tmp_path / "results"
@@ -127,7 +122,8 @@ def test_a_damaged_table_is_computed_again(finished, tmp_path: Path):
     assert table.read_bytes() == whole
 
 
-def test_the_resolved_config_runs_and_gives_the_same(finished, tmp_path: Path):
+def test_a_fresh_run_of_the_resolved_config_gives_the_same_bytes(finished, tmp_path: Path):
+    """So do two of one config: the resolved config of both is the same."""
     _, results, _ = finished
     ecfit.run(results / "small" / "config.toml", tmp_path / "results")
     again = files(tmp_path / "results" / "small")
@@ -150,6 +146,7 @@ class Stop(runner.Progress):
         yield advance
 
 
+@pytest.mark.usefixtures("no_report")
 def test_a_stopped_run_keeps_what_was_finished(finished, tmp_path: Path):
     config, results, _ = finished
     shutil.copytree(results / "tables", tmp_path / "results" / "tables")
@@ -158,27 +155,48 @@ def test_a_stopped_run_keeps_what_was_finished(finished, tmp_path: Path):
     assert set(ecfit.run(config, tmp_path / "results").seconds) == {"fit e-rational-1"}
 
 
+TWO_TABLES = """
+name = "two"
+[[tables]]
+name = "e"
+file = "e.csv"
+axes = { r = 12, mu = 12 }
+[[tables]]
+name = "f"
+file = "f.csv"
+axes = { r = 12, mu = 12 }
+[[fits]]
+tables = ["f"]
+form = "polynomial"
+degree = 2
+[[fits]]
+tables = ["e"]
+form = "rational"
+degree = 1
+"""
+
+
+@pytest.mark.usefixtures("no_report")
 def test_no_byte_depends_on_the_number_of_workers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Nor on the threads of this process: fits are computed in workers with one thread each."""
     monkeypatch.setenv("PJRT_NPROC", "2")
-    table = 'name = "e"\nmodel = "conductor"\naxes = { r = 12, mu = 12 }\ntolerance = 1e-6'
-    other = table.replace('"e"', '"f"') + '\noptions = { masking = "height-correlated" }'
-    text = CONFIG.replace(table, f"{table}\n[[tables]]\n{other}", 1)
-    assert text.count("[[tables]]") == 2
+    r, mu = np.meshgrid(*[np.linspace(0.0, 1.0, 12)] * 2, indexing="ij")
+    np.savetxt(tmp_path / "e.csv", 1.0 - 0.5 * r**2 + 0.1 * mu, delimiter=",")
+    np.savetxt(tmp_path / "f.csv", np.exp(-r * mu), delimiter=",")
     config = tmp_path / "two.toml"
-    config.write_text(text.replace('tables = ["e"]', 'tables = ["f", "e"]'))
+    config.write_text(TWO_TABLES)
     one = ecfit.run(config, tmp_path / "one", workers=1)
     shutil.copytree(tmp_path / "one" / "tables", tmp_path / "two" / "tables")
     two = ecfit.run(config, tmp_path / "two", workers=2)
     assert files(tmp_path / "one") == files(tmp_path / "two")
-    fits = {f"fit {t}-{f}" for t in "ef" for f in ("polynomial-1", "polynomial-2", "rational-1")}
+    fits = {"fit e-rational-1", "fit f-polynomial-2"}
     assert set(two.seconds) == fits
     assert set(one.seconds) == fits | {"table e", "table f"}
 
 
 def test_a_fit_that_fails_in_a_worker_is_told(finished, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     config, results, study = finished
-    monkeypatch.setenv("PJRT_NPROC", "2")
+    monkeypatch.setenv("PJRT_NPROC", "2")  # so that there is a worker
     shutil.copytree(results / "tables", tmp_path / "results" / "tables")
     (path,) = (tmp_path / "results" / "tables").glob("*.npz")
     table = study.tables["e"]
@@ -195,10 +213,10 @@ def test_a_bad_number_of_workers_is_told_before_anything_is_computed(tmp_path: P
         ecfit.run(tmp_path / "nowhere.toml", tmp_path / "results", workers=workers)
 
 
-def test_a_report_is_written_from_disk_alone(finished, tmp_path: Path):
-    config, results, _ = finished
+def test_a_study_is_loaded_from_disk_alone(finished, tmp_path: Path):
+    config, results, study = finished
     found = ecfit.study.load(config, results)
-    assert [f.mae for f in found.fits["e"]] == [f.mae for f in ecfit.run(config, results).fits["e"]]
+    assert [f.mae for f in found.fits["e"]] == [f.mae for f in study.fits["e"]]
     with pytest.raises(ecfit.EcfitError, match="no such table"):
         ecfit.study.load(config, tmp_path)
 
@@ -249,10 +267,12 @@ def test_a_users_model_goes_through_a_study(tmp_path: Path):
     shutil.copy(EXAMPLES / "ward.py", tmp_path / "ward.py")
     small = text.replace("alpha = 24, mu = 24", "alpha = [0.3, 0.6, 0.8, 1.0], mu = [0.3, 0.5, 0.8, 1.0]")
     assert small != text
-    (tmp_path / "ward.toml").write_text(small.replace("[1, 2, 3, 4]", "[1, 2]").replace("[1, 2, 3]", "[1]"))
+    small = small.replace("tolerance = 1e-6", "tolerance = 1e-3")
+    small = small[: small.rindex("[[fits]]")].replace("[1, 2, 3, 4]", "[1, 2]")
+    (tmp_path / "ward.toml").write_text(small)
     study = ecfit.run(tmp_path / "ward.toml", tmp_path / "results")
     assert study.tables["ward"].contract.model == "ward"
-    assert [f.status for f in study.fits["ward"]] == ["converged"] * 3
+    assert [f.status for f in study.fits["ward"]] == ["converged"] * 2
     assert "ward" in study.report.read_text()
 
 

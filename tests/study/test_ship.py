@@ -40,10 +40,11 @@ degree = 2
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory):
+def study(unreported, tmp_path_factory: pytest.TempPathFactory):
     folder = tmp_path_factory.mktemp("ship")
     (folder / "tiny.toml").write_text(CONFIG)
-    run(folder / "tiny.toml", folder / "results", workers=1)
+    with unreported():
+        run(folder / "tiny.toml", folder / "results", workers=1)
     found = load(folder / "tiny.toml", folder / "results")
     return make_plan(found.config, folder), found.fits
 

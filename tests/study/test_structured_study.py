@@ -2,7 +2,6 @@
 
 import csv
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,6 @@ import pytest
 import ecfit
 from ecfit.config import read_config
 from ecfit.study.plan import make_plan
-from ecfit.workers import ONE_THREAD
 
 CONFIG = """
 name = "small"
@@ -43,15 +41,6 @@ R = MU = np.linspace(0.0, 1.0, 9)
 VALUES = 1.0 - R[:, None] ** 4 * (0.5 + 0.2 * MU) / (1.0 + 0.6 * MU)
 
 
-@pytest.fixture(scope="module", autouse=True)
-def here() -> Iterator[None]:
-    """Fits in this process."""
-    with pytest.MonkeyPatch.context() as environment:
-        for name, value in ONE_THREAD.items():
-            environment.setenv(name, value)
-        yield
-
-
 def run(folder: Path, text: str = CONFIG) -> ecfit.Study:
     np.savetxt(folder / "e.csv", VALUES, delimiter=",", fmt="%.17g")
     (folder / "small.toml").write_text(text)
@@ -79,6 +68,7 @@ def test_both_are_fitted_and_reported(finished):
         assert "given" in (folder / "results/small" / page).read_text()
 
 
+@pytest.mark.usefixtures("no_report")
 def test_running_again_computes_nothing(finished):
     folder, study = finished
     again = run(folder)
@@ -88,6 +78,7 @@ def test_running_again_computes_nothing(finished):
     assert [f.to_dict() for f in loaded.fits["e"]] == [f.to_dict() for f in study.fits["e"]]
 
 
+@pytest.mark.usefixtures("no_report")
 @pytest.mark.parametrize(
     ("old", "new", "which"),
     [
@@ -109,6 +100,11 @@ def test_another_setting_computes_that_fit_only(finished, tmp_path: Path, old: s
         ("[0.0, 1.0]]]", "[0.0]]]", "numerator: exponents must be rows of 2 numbers"),
         ("{ mu = 2.0 }", "{ nu = 2.0 }", "highest names 'nu'"),
         ("budget = 3", "budget = 30", "the budget is 30, but there are only 4"),
+        (
+            '"least-squares"',
+            '"minimax"\nridge = 0.1',
+            "fit 'given': ridge has no effect in the norm",
+        ),
     ],
 )
 def test_what_cannot_be_fitted_is_told_before_anything_is_computed(tmp_path: Path, old, new, message: str):
