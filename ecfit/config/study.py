@@ -200,7 +200,7 @@ _OPTIONAL_KEYS = (
     "module_settings",
 )  # fmt: skip
 # Keys of a fit that a module does not take: it is fitted by least squares.
-_NOT_OF_MODULES = ("norm", "strength", "ridge", "monotone")
+_NOT_OF_MODULES = ("norm", "strength", "margin", "ridge", "monotone")
 
 
 def _written(key: str) -> str:
@@ -249,6 +249,7 @@ class FitsConfig(_Section):
     norm: Annotated[NormName, Field(description="what best means")] = "least-squares"
     digits: Annotated[int | None, Field(ge=3, le=17, description="coefficients rounded to these")] = None
     strength: Annotated[float, Field(ge=0.0, description="weight of what keeps Q > 0 and E <= 1")] = 1.0
+    margin: Annotated[float, Field(ge=0.0, description="how far within the form's limits to stay")] = 0.0
     ridge: Annotated[float, Field(ge=0.0, description="weight of coefficients' sizes; no maximum norm")] = 0.0
     weights: Annotated[
         dict[str, float] | None,
@@ -311,7 +312,7 @@ class FitsConfig(_Section):
 
     def norm_settings(self) -> dict[str, Any]:
         """How each is fitted, where that is not plain least squares."""
-        keys = ("norm", "digits", "strength", "ridge", "weights", "monotone")
+        keys = ("norm", "digits", "strength", "margin", "ridge", "weights", "monotone")
         usual = {key: type(self).model_fields[key].default for key in keys}
         return {key: getattr(self, key) for key in keys if getattr(self, key) != usual[key]}
 

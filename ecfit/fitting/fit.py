@@ -225,8 +225,10 @@ def fit(
                 ({"mu": 1} weights with mu); maximum norms only leave out entries of weight 0;
             digits: significant digits that the coefficients are rounded to;
             strength: weight of the penalties, at guards over the closed domain, that keep Q > 0 and, for
-                heads with a deficit, E <= 1; nothing holds E >= 0. With 0 the optimum may have poles.
-                Maximum norms keep to both limits at the guards whatever the strength;
+                heads with a deficit or surplus, E <= 1 or E >= 0. With 0 the optimum may have poles.
+                Maximum norms keep to the limits at the guards whatever the strength;
+            margin: how far within its limits the form is held, in units of deficit and surplus (1 - E and E
+                over their known factors), so that a certificate can prove them;
             ridge: weight of the size of the coefficients, for norms that are no maximum;
             monotone: {coordinate: 1 or -1} where the fit should not fall, or not rise, along the coordinate:
                 a penalty on a grid over the domain, not a proof, for norms that are no maximum.

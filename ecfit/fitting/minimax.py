@@ -41,12 +41,14 @@ def minimax(
     start: np.ndarray,
     *,
     relative: bool = False,
+    least: float = 0.0,
     rows: np.ndarray | None = None,
 ) -> Minimax:
     """The minimax fit on the rows of a descent, within the head's limits at its guards.
 
     Args:
         start: coefficients to begin from (with Q > 0).
+        least: what the head holds stays above this at the guards.
         relative: minimise the largest |E / e - 1| instead of |e - E|.
         rows: mask of the rows that count.
 
@@ -75,7 +77,7 @@ def minimax(
     e = np.concatenate([p * slope[:, None], base[:, None] * q], axis=1) / norms, base * q0
     d = np.concatenate([np.zeros_like(p), q], axis=1) / norms, q0
     measured = e if relative else d
-    limits = _limits(descent, support, gq0, gq, split, norms, unit)
+    limits = _limits(descent, support, gq0, gq, split, norms, unit, least)
 
     def error_of(z: np.ndarray) -> np.ndarray:
         return np.abs(n[0] @ z + n[1]) / (measured[0] @ z + measured[1])
@@ -158,8 +160,9 @@ def _limits(
     split: int,
     norms: np.ndarray,
     unit: float,
+    least: float,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Rows A, b of A z <= b: Q above its least, and what is held (times Q) not below 0, at the guards."""
+    """Rows A, b of A z <= b: Q above its least, what is held (times Q) above `least`, at the guards."""
     zeros = np.zeros((len(gq), split))
     rows, right = [np.concatenate([zeros, -gq], axis=1) / norms], [gq0 - _LEAST_Q * unit]
     guards = descent.guards
@@ -169,7 +172,7 @@ def _limits(
             np.asarray(slopes_at(x * np.ones_like(factors), guards.data, head=descent.head, held=i)[0])
             for x in (0.0, 1.0)
         ]
-        base, slope = found[0], (found[1] - found[0]) * factors[0]
+        base, slope = found[0] - least, (found[1] - found[0]) * factors[0]
         gp = descent.guard_columns[0][:, support[0]]
         rows.append(-np.concatenate([gp * slope[:, None], gq * base[:, None]], axis=1) / norms)
         right.append(gq0 * base)

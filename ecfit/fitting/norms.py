@@ -79,7 +79,8 @@ def solve_in_norm(
     measure = descent.root_w**2 if weights is None else descent.root_w**2 * weights
     measure = measure / measure.sum()
     if np.isinf(norm.power):
-        return _programmed(descent, support, leading, start, norm, measure)
+        least = settings.get("least", 0.0)
+        return _programmed(descent, support, leading, start, norm, measure, least)
 
     def solve(w: np.ndarray, start: np.ndarray) -> Solved:
         return descent.solve(support, leading, start, root_w=np.sqrt(w / w.sum()), **settings)  # type: ignore[arg-type]
@@ -151,10 +152,17 @@ def _reweighted(
 
 
 def _programmed(
-    descent: Descent, support: Support, leading: int, start: np.ndarray, norm: Norm, measure: np.ndarray
+    descent: Descent,
+    support: Support,
+    leading: int,
+    start: np.ndarray,
+    norm: Norm,
+    measure: np.ndarray,
+    least: float,
 ) -> Solved:
     if descent.affine is None:
         raise EcfitError(f"norm '{norm.name}' needs a head of one ratio: use 'l8' for '{descent.head.name}'")
-    found = minimax(descent, support, leading, start, relative=norm.furnace, rows=measure > 0.0)
+    rows = measure > 0.0
+    found = minimax(descent, support, leading, start, relative=norm.furnace, least=least, rows=rows)
     rms = descent.rms(support, leading, found.coefficients)
     return Solved(found.coefficients, rms, found.bound, found.converged, found.programs)

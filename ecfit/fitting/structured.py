@@ -15,6 +15,7 @@ from ecfit.fitting.norms import NORMS, solve_in_norm
 from ecfit.fitting.result import Fit, judged
 from ecfit.fitting.samples import check_coordinates
 from ecfit.fitting.selection import Choice, descent_for, evened, merged, select
+from ecfit.fitting.watch import watched, weak_points
 from ecfit.fitting.weights import entry_weights
 from ecfit.forms import Structure, head
 from ecfit.forms.specified import Selected, Structured
@@ -22,8 +23,9 @@ from ecfit.tables import Table
 
 # The last descent: these forms converge in tens of steps from their start.
 _FINAL = {"rtol": 1e-8, "max_steps": 400}
-# Where the optimum has a pole in the domain, limits are weighted this much more, this often.
-_HARDER, _ROUNDS = 30.0, 3
+# Where the optimum breaks its limits between the guards, it is guarded there, so often; where the guards do
+# not keep Q from vanishing, they weigh this much more.
+_ROUNDS, _HARDER = 4, 30.0
 # What only descents can hold, no linear program.
 _DESCENTS_ONLY = ("ridge", "monotone")
 # Arguments of `fit` itself.
@@ -55,19 +57,21 @@ def fit_structured(
     max_steps: int | None = None,
     digits: int | None = None,
     strength: float = 1.0,
+    margin: float = 0.0,
     ridge: float = 0.0,
     weights: Any = None,
     monotone: Mapping[str, int] | None = None,
 ) -> Fit:
     """Fit a form of given terms; see `ecfit.fit` for the arguments."""
     structure = form.structure
-    _check_numbers(digits, strength, ridge)
+    _check_numbers(digits, strength=strength, margin=margin, ridge=ridge)
     _check_rows(table, structure.count)
-    descent = descent_for(structure, table, domain_of(structure, table))
+    domain = domain_of(structure, table)
+    descent = descent_for(structure, table, domain)
     support = [list(range(len(n))) for n in structure.numerators]
     support.append(list(range(1, len(structure.denominator))))
     start = _start(descent, support, form)
-    settings: dict[str, Any] = {**_FINAL, "strength": strength, "ridge": ridge}
+    settings: dict[str, Any] = {**_FINAL, "strength": strength, "least": margin, "ridge": ridge}
     if max_steps is not None:
         settings["max_steps"] = max_steps
     measure, extra = _norm(norm), entry_weights(table, weights, structure.count)
@@ -77,15 +81,19 @@ def fit_structured(
 
     trial = 1
     while True:
-        if monotone:
-            solved = held(monotone, descent, structure, domain_of(structure, table), start, solve)
-        else:
-            solved = solve(start)
+        solved = held(monotone, descent, structure, domain, start, solve) if monotone else solve(start)
         fit = _finished(table, structure, solved, name, digits, starts=trial)
-        # A linear program keeps the limits by itself: it would be the same again.
-        if fit.status != "pole" or not strength or np.isinf(measure.power) or trial > _ROUNDS:
+        if not strength or trial > _ROUNDS:
             return fit
-        settings["strength"] *= _HARDER
+        weak = weak_points(structure, fit.coefficients, domain, margin)
+        if weak is not None:
+            watched(descent, structure, weak)
+        # A linear program keeps the limits at the guards: it would be the same again.
+        elif fit.status != "pole" or np.isinf(measure.power):
+            return fit
+        if fit.status == "pole":
+            settings["strength"] *= _HARDER
+        start = solved.coefficients if descent.least_q(support, 0, solved.coefficients) > 0.0 else start
         trial += 1
 
 
@@ -116,7 +124,7 @@ def fit_selected(
 ) -> Fit:
     """Search the terms of a form, then fit them; see `ecfit.fit` for the arguments."""
     _norm(norm)
-    _check_numbers(digits, settings.get("strength", 1.0), settings.get("ridge", 0.0))
+    _check_numbers(digits, **{n: settings[n] for n in ("strength", "margin", "ridge") if n in settings})
     entry_weights(table, settings.get("weights"), form.budget)  # told before the search
     found = merged(searched(table, form, seed) for seed in range(form.seeds))
     given = within_budget(form, found)
@@ -165,11 +173,11 @@ def check_settings(settings: Mapping[str, Any]) -> None:
                 )
 
 
-def _check_numbers(digits: Any, strength: Any, ridge: Any) -> None:
+def _check_numbers(digits: Any, **numbers: Any) -> None:
     whole = isinstance(digits, int) and not isinstance(digits, bool)
     if digits is not None and not (whole and 3 <= digits <= 17):
         raise EcfitError(f"digits must be an integer in 3..17, got {digits!r}")
-    for name, value in (("strength", strength), ("ridge", ridge)):
+    for name, value in numbers.items():
         number = isinstance(value, int | float) and not isinstance(value, bool)
         if not (number and 0.0 <= value < np.inf):
             raise EcfitError(f"{name} must be a number >= 0, got {value!r}")
