@@ -24,7 +24,6 @@ HEADER = """\
 #define REAL float
 #define NUMBER(x) x##f
 #endif
-#define KERNEL __attribute__((noinline)) void
 /* Between two passes: nothing of the last one may be left out. */
 #define AGAIN __asm__ volatile("" ::: "memory")
 """
@@ -72,22 +71,29 @@ def body(root: Node) -> tuple[list[str], str]:
     return lines, text[id(root)]
 
 
-def kernel(name: str, variables: Sequence[str], lines: Sequence[str], value: str) -> str:
-    """`void name(const REAL *const *in, REAL *out, int points)`, and `name_again`, many passes of it."""
-    pointers = [f"const REAL *restrict p{i} = in[{i}];" for i in range(len(variables))]
-    inputs = [f"const REAL {v} = p{i}[k];" for i, v in enumerate(variables)]
+def kernel(
+    name: str, variables: Sequence[str], lines: Sequence[str], value: str, constants: Sequence[str] = ()
+) -> str:
+    """`void name(const REAL *const *in, REAL *out, int points, int passes)`: many passes over the points.
+
+    `in` has an array for each variable, then one for each of `constants`, arrays that are the same for all
+    points.
+    """
+    arrays = [*(f"in_{v}" for v in variables), *constants]
+    # Only as parameters of a function are restricted pointers sure to be seen as such.
+    parameters = ", ".join(f"const REAL *restrict {a}" for a in arrays)
+    inputs = [f"const REAL {v} = in_{v}[k];" for v in variables]
     inner = "\n".join(f"    {line}" for line in (*inputs, *lines))
-    outer = "\n".join(f"  {line}" for line in pointers)
+    passed = ", ".join(f"in[{i}]" for i in range(len(arrays)))
     return f"""
-KERNEL {name}(const REAL *const *in, REAL *restrict out, int points) {{
-{outer}
+static __attribute__((noinline)) void {name}_once({parameters}, REAL *restrict out, int points) {{
   for (int k = 0; k < points; ++k) {{
 {inner}
     out[k] = {value};
   }}
 }}
-void {name}_again(const REAL *const *in, REAL *out, int points, int passes) {{
-  for (int i = 0; i < passes; ++i) {{ {name}(in, out, points); AGAIN; }}
+void {name}(const REAL *const *in, REAL *out, int points, int passes) {{
+  for (int i = 0; i < passes; ++i) {{ {name}_once({passed}, out, points); AGAIN; }}
 }}
 """
 
@@ -97,33 +103,33 @@ def of_expression(name: str, root: Node, variables: Sequence[str]) -> str:
     return kernel(name, variables, *body(root))
 
 
-def of_table(name: str, shape: Sequence[int]) -> str:
+def of_table(name: str, shape: Sequence[int], roots: Sequence[int]) -> str:
     """A kernel that reads a table on [0, 1]^n linearly; the table is the last input, in row-major order.
 
-    Coordinates are in the table's own spacing, as a texture is sampled: without clamping beyond the last cell.
+    `roots` says how often the root of each coordinate is taken to get what the nodes are uniform in. As a
+    texture is sampled, nothing is clamped but the last cell.
     """
     variables = [f"x{i}" for i in range(len(shape))]
     lines = []
     for i, count in enumerate(shape):
         lines += [
-            f"const REAL s{i} = x{i} * {count - 1};",
+            f"const REAL s{i} = {'sqrt(' * roots[i]}x{i}{')' * roots[i]} * {count - 1};",
             f"const int f{i} = (int)s{i}, c{i} = f{i} < {count - 2} ? f{i} : {count - 2};",
             f"const REAL t{i} = s{i} - (REAL)c{i};",
         ]
     flat = "c0"
     for i, count in enumerate(shape[1:], 1):
         flat = f"({flat} * {count} + c{i})"
-    lines.append(f"const REAL *at = table + {flat};")
+    lines.append(f"const int at = {flat};")
     strides = [int(np.prod(shape[i + 1 :])) for i in range(len(shape))]
     # Corners along the last axis first, then pairs of them along the one before.
-    level = [f"at[{sum(s * b for s, b in zip(strides, bits, strict=True))}]" for bits in np.ndindex(*[2] * len(shape))]
+    corners = np.ndindex(*[2] * len(shape))
+    level = [f"table[at + {sum(s * b for s, b in zip(strides, bits, strict=True))}]" for bits in corners]
+    count = 0
     for i in reversed(range(len(shape))):
-        pairs = list(zip(level[::2], level[1::2], strict=True))
-        level = []
+        pairs, level = list(zip(level[::2], level[1::2], strict=True)), []
         for a, b in pairs:
-            n = sum(line.startswith("const REAL a") for line in lines)
-            lines.append(f"const REAL a{n} = {a}, l{n} = a{n} + t{i} * ({b} - a{n});")
-            level.append(f"l{n}")
-    return kernel(name, variables, lines, level[0]).replace(
-        "  for (int k = 0; k < points", f"  const REAL *restrict table = in[{len(shape)}];\n  for (int k = 0; k < points", 1
-    )
+            lines.append(f"const REAL a{count} = {a}, l{count} = a{count} + t{i} * ({b} - a{count});")
+            level.append(f"l{count}")
+            count += 1
+    return kernel(name, variables, lines, level[0], ["table"])

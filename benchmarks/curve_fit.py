@@ -6,8 +6,8 @@
 
 The tables of Sforza & Pellacini 2022: the conductor on clamped axes (19 coefficients), and light entering a
 dielectric in radiance transport (39 coefficients). All methods see the same table; errors are of all its
-entries. Each row is measured in a fresh process with one thread: its peak of memory is its own, and CPU time is
-what it takes on an idle machine.
+entries. Each row is measured in a fresh process with one thread: its peak of memory is its own, and CPU time
+is what it takes on an idle machine.
 
 - `curve_fit` is given the whole table, as in the paper: from all ones, derivatives by finite differences,
   monomials computed once. "lm" is its default (MINPACK), "trf" its other method.

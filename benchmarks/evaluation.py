@@ -5,8 +5,9 @@
 
 Each approximation becomes a C loop over arrays of points in float32 (benchmarks/c_source.py), compiled with
 -O3 -ffast-math, with and without -march=native. Tables are read linearly, in random order, from float32
-arrays; their coordinates are given in the table's own spacing, which spares them a root where that is r or
-sqrt(mu). Every compiled function is checked against ecfit's value at the same points.
+arrays that stay in the caches as nothing else wants them, those of more than 32 KB in the second level. Their
+nodes are uniform in r and mu ("curved": mu = t^2, F0 = t^4, at the cost of roots), and r is given. Every
+compiled function is checked against ecfit's value at the same points.
 """
 
 import ctypes
@@ -38,6 +39,9 @@ Array = np.ndarray
 POINTS = 16_384
 # Nodes an axis of the tables; the middle one is what the others are compared with.
 TABLES = (16, 32, 64)
+# Spacings of (r), (r, mu) and (F0, r, mu), as roots of the coordinates: uniform, or mu = t^2 and F0 = t^4.
+SPACINGS = ((0,), (0, 0), (0, 1), (0, 0, 0), (2, 0, 1))
+_THROUGH = ("identity", "square", "fourth-power")
 # In float32, allowed is this or a few times what NumPy's float32 arithmetic loses, where that is more.
 LARGEST_DIFFERENCE, _TIMES = 1e-5, 4.0
 # The same text in double differs from NumPy's by rounding only, relative to 1 + |value|.
@@ -97,30 +101,33 @@ def of_formula(approximation: Approximation) -> Subject:
     )
 
 
-def of_table(count: int, variables: int) -> Subject:
+def of_table(count: int, roots: tuple[int, ...]) -> Subject:
     """A table of random numbers, read at random places."""
     rng = np.random.default_rng(count)
+    variables = len(roots)
     shape = (count,) * variables
-    table = rng.random(shape, dtype=np.float32)
+    table = 0.5 * rng.random(shape, dtype=np.float32)
     points = [rng.random(POINTS, dtype=np.float32) for _ in shape]
-    look = Lookup(table, ((0.0, 1.0),) * variables, ("identity",) * variables)
-    expected = np.asarray(look.value([p.astype(np.float64) for p in points]))
+    through = tuple(_THROUGH[n] for n in roots)
+    expected = Lookup(table, ((0.0, 1.0),) * variables, through).value([p.astype(np.float64) for p in points])
     corners = 2**variables
+    taken = f", {sum(roots)} root{'s' if sum(roots) > 1 else ''}" if sum(roots) else ""
     return Subject(
-        table_name(count, variables),
+        table_name(count, roots),
         variables,
         table.size,
-        f"{corners} reads from {table.nbytes / 1024:.4g} KB, {corners - 1} interpolations",
-        lambda name: c_source.of_table(name, shape),
+        f"{corners} reads from {table.nbytes / 1024:.4g} KB, {corners - 1} interpolations{taken}",
+        lambda name: c_source.of_table(name, shape, roots),
         [*points, table.ravel()],
-        expected,
+        np.asarray(expected),
         LARGEST_DIFFERENCE,
     )
 
 
-def table_name(count: int, variables: int) -> str:
-    """ "table 32^2"."""
-    return f"table {count}" + (f"^{variables}" if variables > 1 else "")
+def table_name(count: int, roots: tuple[int, ...]) -> str:
+    """ "table 32^2", with "curved" where nodes are not uniform in the coordinates."""
+    power = f"^{len(roots)}" if len(roots) > 1 else ""
+    return f"table {count}{power}" + (", curved" if any(roots) else "")
 
 
 @contextmanager
@@ -147,15 +154,15 @@ class Call:
         self._kept = [x.astype(kind) for x in subject.inputs]
         inputs = (pointer * len(self._kept))(*(x.ctypes.data_as(pointer) for x in self._kept))
         self._arguments = inputs, self.out.ctypes.data_as(pointer), POINTS
-        self._once, self._again = getattr(kernels, name), getattr(kernels, f"{name}_again")
+        self._run = getattr(kernels, name)
 
     def values(self) -> Array:
-        self._once(*self._arguments)
+        self._run(*self._arguments, 1)
         return self.out
 
     def seconds(self, passes: int) -> float:
         start = time.process_time()
-        self._again(*self._arguments, passes)
+        self._run(*self._arguments, passes)
         return time.process_time() - start
 
 
@@ -176,13 +183,16 @@ def _refuse(subject: Subject, difference: float, allowed: float, how: str) -> No
         )
 
 
-def nanoseconds(call: Call, rounds: int, seconds: float) -> float:
-    """The least time of several rounds, an evaluation."""
-    passes = 1
-    while call.seconds(passes) < seconds / 4.0:
-        passes *= 2
-    passes *= 4
-    return min(call.seconds(passes) for _ in range(rounds)) / passes / POINTS * 1e9
+def nanoseconds(calls: list[Call], rounds: int, seconds: float) -> list[float]:
+    """The least time of several rounds, an evaluation; a round measures all calls, one after the other."""
+    passes = []
+    for call in calls:
+        count = 1
+        while call.seconds(count) < seconds / 4.0:
+            count *= 2
+        passes.append(4 * count)
+    measured = [[c.seconds(p) / p for c, p in zip(calls, passes, strict=True)] for _ in range(rounds)]
+    return [min(times) / POINTS * 1e9 for times in zip(*measured, strict=True)]
 
 
 def measure(approximations: list[Approximation], quick: bool = False) -> list[Timed]:
@@ -193,18 +203,20 @@ def measure(approximations: list[Approximation], quick: bool = False) -> list[Ti
     if compiler() is None:
         raise EcfitError("no C compiler: install cc, or set CC; nothing was measured")
     subjects = [of_formula(a) for a in approximations]
-    subjects += [of_table(count, variables) for variables in (1, 2, 3) for count in TABLES]
-    rounds, seconds = (3, 2e-3) if quick else (15, 1e-2)
+    subjects += [of_table(count, roots) for roots in SPACINGS for count in TABLES]
+    rounds, seconds = (3, 2e-3) if quick else (30, 5e-3)
     check(subjects)
     times: list[list[float]] = []
     lost: list[float] = []
     for flags in (_FAST, ("-march=native", *_FAST)):
         with library(subjects, flags) as kernels:
             calls = [Call(kernels, f"k{i}", s) for i, s in enumerate(subjects)]
-            lost = [float(np.max(np.abs(c.values() - s.expected))) for c, s in zip(calls, subjects, strict=True)]
+            lost = [
+                float(np.max(np.abs(c.values() - s.expected))) for c, s in zip(calls, subjects, strict=True)
+            ]
             for subject, difference in zip(subjects, lost, strict=True):
                 _refuse(subject, difference, subject.allowed, "in float32")
-            times.append([nanoseconds(c, rounds, seconds) for c in calls])
+            times.append(nanoseconds(calls, rounds, seconds))
     portable, native = times
     return [
         Timed(s.name, s.variables, s.numbers, s.operations, *measured)
@@ -227,7 +239,7 @@ def formulas() -> list[Approximation]:
 
 def printed(rows: list[Timed]) -> str:
     """Rows as Markdown, those of equal numbers of variables together."""
-    reference = {v: t for t in rows for v in (1, 2, 3) if t.name == table_name(TABLES[1], v)}
+    reference = {v: t for t in rows for v in (1, 2, 3) if t.name == table_name(TABLES[1], (0,) * v)}
     header = ["name", "numbers", "operations", "ns", "ns, portable", "look-up = 1", "float32 error"]
     out = []
     for variables, look in reference.items():
