@@ -2,6 +2,7 @@
 
     python benchmarks/evaluation.py            # about a minute; needs a C compiler (cc, or $CC)
     python benchmarks/evaluation.py --quick    # shorter measurements
+    python benchmarks/evaluation.py --write    # puts the table into docs/performance.md
 
 Each approximation becomes a C loop over arrays of points in float32 (benchmarks/c_source.py), compiled with
 -O3 -ffast-math, with and without -march=native. Tables are read linearly, in random order, from float32
@@ -260,11 +261,16 @@ def printed(rows: list[Timed]) -> str:
 
 
 def main() -> None:
-    quick = common.wants_quick(__doc__)
+    parser = common.arguments(__doc__)
+    parser.add_argument("--write", action="store_true", help="put the table into docs/performance.md")
+    given = parser.parse_args()
     if compiler() is None:
         print("no C compiler: install cc, or set CC; nothing was measured", file=sys.stderr)
         return
-    print(printed(measure(formulas(), quick)))
+    table = printed(measure(formulas(), given.quick))
+    print(table)
+    if given.write:
+        common.replace_between(common.DOCS / "performance.md", "evaluation.py", evaluation=table)
 
 
 if __name__ == "__main__":
