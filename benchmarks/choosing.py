@@ -46,8 +46,10 @@ TOLERANCE, TABLE_TOLERANCE = 1e-8, 1e-7
 # Mean errors that a reader may ask for.
 BUDGETS = (1e-2, 1e-3, 1e-4)
 OURS, PUBLISHED, TABLES = "#D55E00", "#000000", ("#009E73", "#0072B2")
-# Spacings of tables: what nodes are uniform in, and the same as roots for the time of a look-up.
-_CURVED = {"mu": ("square", 1), "F0": ("fourth-power", 2)}
+# Maps of the second spacing of tables, coordinate = map(t), by how many roots of the coordinate give t.
+_MAPS = ("identity", "square", "fourth-power")
+# Options that titles do not mention.
+_USUAL = {"ndf": "ggx", "base": "none", "compensation": "none"}
 # Materials in the order of the document; others follow.
 _ORDER = (
     ("conductor", "directional-albedo"),
@@ -70,6 +72,7 @@ class Entry:
         numbers, operations, ns: what it costs; ns is NaN where nothing was measured.
         mae, largest: errors; points: the part of the sample that is in its domain.
         note: in what it differs from the quantity of the figure.
+        domain: in words, of a fit that reaches further than the sample.
         certified: whether it carries a certificate.
     """
 
@@ -84,6 +87,7 @@ class Entry:
     largest: float
     points: float = 1.0
     note: str = ""
+    domain: str = ""
     certified: bool = False
 
 
@@ -118,8 +122,8 @@ class Material:
 
 
 def title(contract: Contract) -> str:
-    """The quantity in a few words."""
-    model, masking = contract.model, contract.options.get("masking", "")
+    """The quantity in a few words: what is usual is left out."""
+    options = contract.options
     what = {
         "directional-albedo": "",
         "average-albedo": ", average",
@@ -127,9 +131,14 @@ def title(contract: Contract) -> str:
         "schlick-a": ", Schlick A",
         "schlick-b": ", Schlick B",
     }.get(contract.quantity, f", {contract.quantity}")
-    side = f" {contract.options['side']}" if "side" in contract.options else ""
-    shown = f" {masking}" if model == "conductor" and masking else ""
-    return f"{model.capitalize()}{side}{shown}{what}"
+    words = [contract.model.capitalize(), options.get("side", "")]
+    if contract.model == "conductor" or options.get("masking") == "height-correlated":
+        words.append(options.get("masking", ""))
+    words += [options[name] for name, usual in _USUAL.items() if options.get(name, usual) != usual]
+    words += [f"{name} {value:g}" for name, value in sorted(contract.parameters.items())]
+    words += [contract.transport] if contract.transport != "energy" else []
+    words += [contract.lobe] if contract.lobe != "all" else []
+    return " ".join(filter(None, words)) + what
 
 
 def domain_in(approximation: Approximation, variables: Sequence[str]) -> dict[str, tuple[float, float]]:
@@ -175,6 +184,13 @@ def differences(published: Contract, ours: Contract) -> list[str] | None:
     return published.differences(ours)
 
 
+def roots(name: str, ends: Mapping[str, tuple[float, float]]) -> int:
+    """How often to take the root of a coordinate for nodes that are denser where the albedo changes fast."""
+    if name == "F0":
+        return 2 if ends["F0"][1] < 0.5 else 1
+    return 1 if name == "mu" else 0
+
+
 class Truth:
     """Integrals, kept in a folder: what took long is not computed twice."""
 
@@ -212,7 +228,7 @@ class Truth:
         names = ["r" if v == "alpha" else v for v in reversed(material.variables)]
         ends = dict(zip(material.variables, material.domain, strict=True))
         kept = {n: ends[n] for n in names if n in ends and n != "mu"}
-        through = {n: _CURVED[n][0] for n in names if n in _CURVED} if curved else {}
+        through = {n: _MAPS[k] for n in names if (k := roots(n, ends) if curved else 0)}
 
         def make() -> Approximation:
             return lookup_table(
@@ -254,6 +270,17 @@ def certified(name: str) -> bool:
     return isinstance(certificate, Mapping) and bool(certificate.get("certified"))
 
 
+def beyond(fit: Approximation, material: Material) -> str:
+    """The domain of a fit where it is larger than what the material's fits have in common."""
+    own = domain_in(fit, material.variables)
+    wider = [
+        f"{name} in [{own[name][0]:.3g}, {own[name][1]:.3g}]"
+        for name, common_ in zip(material.variables, material.domain, strict=True)
+        if not np.allclose(own[name], common_, rtol=1e-6, atol=1e-9)
+    ]
+    return f"also for {', '.join(wider)}" if wider else ""
+
+
 def competitors(material: Material) -> list[tuple[Approximation, list[str]]]:
     """Published formulas of the quantity; where there are none, those that differ in a convention."""
     same, near = [], []
@@ -290,7 +317,8 @@ def fill(
         material.entries.append(
             Entry(
                 fit.name, str(fit.count), "ours", fit.count, str(operations), operations.total,
-                times.get(fit.name, nan), *errors(fit, points, truth), certified=certified(fit.name),
+                times.get(fit.name, nan), *errors(fit, points, truth), domain=beyond(fit, material),
+                certified=certified(fit.name),
             )
         )  # fmt: skip
     for published, differing in competitors(material):
@@ -303,18 +331,18 @@ def fill(
                 note=", ".join(differing),
             )
         )  # fmt: skip
-    curvable = [v for v in material.variables if v in _CURVED]
-    for curved in (False, True) if curvable else (False,):
+    ends = dict(zip(material.variables, material.domain, strict=True))
+    for curved in (False, True) if any(roots(v, ends) for v in ends) else (False,):
         for nodes in sizes:
             table = truths.table(material, nodes, curved)
-            roots = tuple(_CURVED[n][1] if curved and n in _CURVED else 0 for n in table.variables)
-            size = f"{nodes}" + (f"^{len(roots)}" if len(roots) > 1 else "")
-            how = ", ".join(f"{n} = t^{2 if n == 'mu' else 4}" for n in table.variables if n in _CURVED)
+            taken = tuple(roots(n, ends) if curved else 0 for n in table.variables)
+            size = f"{nodes}" + (f"^{len(taken)}" if len(taken) > 1 else "")
+            how = "".join(f", {n} = t^{2**k}" for n, k in zip(table.variables, taken, strict=True) if k)
             material.entries.append(
                 Entry(
-                    f"table {size}" + (f", {how}" if curved else ""), size,
+                    f"table {size}{how}", size,
                     "curved table" if curved else "table", table.count, "", nan,
-                    times.get(evaluation.table_name(nodes, roots), nan), *errors(table, points, truth),
+                    times.get(evaluation.table_name(nodes, taken), nan), *errors(table, points, truth),
                 )
             )  # fmt: skip
 
@@ -367,7 +395,7 @@ class Labels:
                 (-1, 0),
             ):
                 align = "left" if dx > 0 else "right" if dx < 0 else "center"
-                note.set_ha(align)
+                note.set_horizontalalignment(align)
                 note.set_position((dx * distance, dy * distance))
                 box = note.get_window_extent(self.renderer).padded(1.0)
                 inside = (
@@ -381,7 +409,7 @@ class Labels:
                     best = score, (dx * distance, dy * distance), align, box
         assert best is not None
         _, offset, align, box = best
-        note.set_ha(align)
+        note.set_horizontalalignment(align)
         note.set_position(offset)
         self.taken.append(box)
         if max(map(abs, offset)) > 14.0:
@@ -517,6 +545,7 @@ def details(material: Material) -> str:
             notes.append(f"at the {e.points:.0%} of the points in its domain")
         if e.kind == "ours":
             notes.append("certified" if e.certified else "not certified")
+            notes += [e.domain] if e.domain else []
         name = f"`{e.name}`" if e.kind in ("ours", "published") else e.name
         rows.append(
             [name, str(e.numbers), nanoseconds(e.ns), number(e.mae), number(e.largest), ", ".join(notes)]

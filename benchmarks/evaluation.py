@@ -7,7 +7,7 @@
 Each approximation becomes a C loop over arrays of points in float32 (benchmarks/c_source.py), compiled with
 -O3 -ffast-math, with and without -march=native. Tables are read linearly, in random order, from float32
 arrays that stay in the caches as nothing else wants them, those of more than 32 KB in the second level. Their
-nodes are uniform in r and mu ("curved": mu = t^2, F0 = t^4, at the cost of roots), and r is given. Every
+nodes are uniform in the coordinates that are given, or in roots of them (mu = t^2; F0 = t^2 or t^4). Every
 compiled function is checked against ecfit's value at the same points.
 """
 
@@ -40,8 +40,8 @@ Array = np.ndarray
 POINTS = 16_384
 # Nodes an axis of the tables; the middle one is what the others are compared with.
 TABLES = (16, 32, 64)
-# Spacings of (r), (r, mu) and (F0, r, mu), as roots of the coordinates: uniform, or mu = t^2 and F0 = t^4.
-SPACINGS = ((0,), (0, 0), (0, 1), (0, 0, 0), (2, 0, 1))
+# Spacings of (r), (r, mu), (F0, r, mu) as roots of the coordinates: uniform, or mu = t^2, F0 = t^2 or t^4.
+SPACINGS = ((0,), (0, 0), (0, 1), (0, 0, 0), (1, 0, 1), (2, 0, 1))
 _THROUGH = ("identity", "square", "fourth-power")
 # In float32, allowed is this or a few times what NumPy's float32 arithmetic loses, where that is more.
 LARGEST_DIFFERENCE, _TIMES = 1e-5, 4.0
@@ -112,12 +112,11 @@ def of_table(count: int, roots: tuple[int, ...]) -> Subject:
     through = tuple(_THROUGH[n] for n in roots)
     expected = Lookup(table, ((0.0, 1.0),) * variables, through).value([p.astype(np.float64) for p in points])
     corners = 2**variables
-    taken = f", {sum(roots)} root{'s' if sum(roots) > 1 else ''}" if sum(roots) else ""
     return Subject(
         table_name(count, roots),
         variables,
         table.size,
-        f"{corners} reads from {table.nbytes / 1024:.4g} KB, {corners - 1} interpolations{taken}",
+        f"{corners} reads from {table.nbytes / 1024:.4g} KB, {corners - 1} interpolations{_roots(roots)}",
         lambda name: c_source.of_table(name, shape, roots),
         [*points, table.ravel()],
         np.asarray(expected),
@@ -126,9 +125,13 @@ def of_table(count: int, roots: tuple[int, ...]) -> Subject:
 
 
 def table_name(count: int, roots: tuple[int, ...]) -> str:
-    """ "table 32^2", with "curved" where nodes are not uniform in the coordinates."""
+    """ "table 32^2", and how many roots the spacing of the nodes takes: "table 32^3, 3 roots"."""
     power = f"^{len(roots)}" if len(roots) > 1 else ""
-    return f"table {count}{power}" + (", curved" if any(roots) else "")
+    return f"table {count}{power}{_roots(roots)}"
+
+
+def _roots(roots: tuple[int, ...]) -> str:
+    return {0: "", 1: ", 1 root"}.get(sum(roots), f", {sum(roots)} roots")
 
 
 @contextmanager

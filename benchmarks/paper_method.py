@@ -159,7 +159,7 @@ def fit(points: Sequence[Array], values: Array, method: str, most: int, degree: 
 
     start = np.ones(2 * terms - 1)
     # MINPACK counts every evaluation for a Jacobian, `trf` none of them.
-    limit = {"maxfev": most * (start.size + 1)} if method == "lm" else {"max_nfev": most}
+    limit: dict[str, Any] = {"maxfev": most * (start.size + 1)} if method == "lm" else {"max_nfev": most}
     try:
         found = curve_fit(rational, points[0], values, p0=start, method=method, **limit)[0]
         return Fitted(rational(points[0], *found), len(seen), True)
