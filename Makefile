@@ -32,8 +32,10 @@ types: $(VENV)/.dev $(VENV)/.bench
 benchmark: $(VENV)/.bench
 	$(BIN)/python benchmarks/tables.py
 	$(BIN)/python benchmarks/materials.py
-	$(BIN)/python benchmarks/fits.py
+	$(BIN)/python benchmarks/curve_fit.py
 	$(BIN)/python benchmarks/thinning.py
+	$(BIN)/python benchmarks/evaluation.py
+	$(BIN)/python benchmarks/choosing.py --cache .choosing --figures .choosing
 
 constraints: $(VENV)/.uv
 	$(BIN)/uv pip compile --universal --no-header --no-annotate --extra test --extra dev --extra bench pyproject.toml -o constraints.txt

@@ -3,15 +3,16 @@
 Tables: the integral of rho |mu_i| over phi in [0, 2 pi] and mu_i in [0, 1], or [-1, 0] in transmission, by
 `scipy.integrate.dblquad` with its default tolerances over a compiled integrand. GGX, separable Smith G,
 alpha = r^2, exact Fresnel, radiance transport. Fits: `scipy.optimize.curve_fit` of a ratio of polynomials
-from all ones.
+from all ones, with its own derivatives by finite differences.
 
 Needs: pip install -e '.[bench]'
 """
 
 import math
 import warnings
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from itertools import product
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import cfunc, njit, types
@@ -23,9 +24,6 @@ Array = np.ndarray
 
 # double f(int, double *, void *): what QUADPACK calls without entering Python.
 C_SIGNATURE = types.double(types.intc, types.CPointer(types.double), types.voidptr)
-
-# Exponents of r and mu.
-MONOMIALS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3))
 
 
 @njit(fastmath=True)
@@ -124,18 +122,48 @@ def albedo(mu: float, r: float, order: str) -> float:
     return _conductor_albedo(mu, r, math.inf, order)
 
 
-def fit(r: Array, mu: Array, values: Array) -> Array:
-    """P / Q of degree 3 in (r, mu), evaluated at the given points, fitted to `values`.
+def monomials(variables: int, degree: int) -> list[tuple[int, ...]]:
+    """Exponents of all products of powers up to a total degree, the constant first."""
+    found = (e for e in product(range(degree + 1), repeat=variables) if sum(e) <= degree)
+    return sorted(found, key=sum)
 
-    10 coefficients of P, 9 of Q beside its constant 1.
+
+class Fitted(NamedTuple):
+    """What `fit` found: its values at the points, evaluations of all rows, and whether it ended by itself."""
+
+    values: Array
+    evaluations: int
+    ended: bool
+
+
+def fit(points: Sequence[Array], values: Array, method: str, most: int, degree: int = 3) -> Fitted:
+    """P / Q of a degree in the coordinates `points`, fitted to `values` by `curve_fit` from all ones.
+
+    Args:
+        points: coordinates of all rows, one array a variable.
+        values: of the table.
+        method: of `curve_fit`: "lm" (its default: MINPACK) or "trf".
+        most: Jacobians that are computed at most, by finite differences.
+        degree: of P and Q; the constant of Q is 1.
     """
+    exponents = monomials(len(points), degree)
     # Computed once for all of the solver's evaluations: its cheapest possible residual.
-    basis = np.stack([r**i * mu**j for i, j in MONOMIALS])
-    terms = len(MONOMIALS)
+    basis = np.stack([np.prod([x**e for x, e in zip(points, row, strict=True)], axis=0) for row in exponents])
+    terms = len(exponents)
+    seen: list[Array] = []
 
     def rational(_: Array, *coefficients: float) -> Array:
         c = np.array(coefficients)
+        seen.append(c)
         return (c[:terms] @ basis) / (1.0 + c[terms:] @ basis[1:])
 
-    found = curve_fit(rational, r, values, p0=np.ones(2 * terms - 1), method="trf")[0]
-    return rational(r, *found)
+    start = np.ones(2 * terms - 1)
+    # MINPACK counts every evaluation for a Jacobian, `trf` none of them.
+    limit: dict[str, Any] = {"maxfev": most * (start.size + 1)} if method == "lm" else {"max_nfev": most}
+    try:
+        found = curve_fit(rational, points[0], values, p0=start, method=method, **limit)[0]
+        return Fitted(rational(points[0], *found), len(seen), True)
+    except RuntimeError:  # the limit was reached: the best of the last two steps counts
+        count, last = len(seen), seen[-2 * (start.size + 1) :]
+        tried = (rational(points[0], *c) for c in last)
+        return Fitted(min(tried, key=lambda v: float(np.sum(np.square(v - values)))), count, False)
