@@ -14,7 +14,7 @@ from ecfit.errors import EcfitError, unknown
 from ecfit.expressions import Node, parse, substitute, value, var
 from ecfit.forms import Minimum
 
-_KINDS: dict[str, Any] = {k.kind: k for k in (StructuredFormula, Written)}
+KINDS: dict[str, Any] = {k.kind: k for k in (StructuredFormula, Written)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +54,15 @@ class Composed(Formula):
         _ = self._expression
 
     @cached_property
+    def text_expression(self) -> Node:
+        """The text, in the names of the parts."""
+        return parse(self.text, [part.name for part in self.parts])
+
+    @cached_property
     def _expression(self) -> Node:
-        text = parse(self.text, [part.name for part in self.parts])
-        return substitute(text, {p.name: p.formula.expression(p.variables) for p in self.parts})
+        return substitute(
+            self.text_expression, {p.name: p.formula.expression(p.variables) for p in self.parts}
+        )
 
     @property
     def variables(self) -> int:
@@ -102,9 +108,9 @@ class Composed(Formula):
         """The inverse of `to_dict`. Raises `EcfitError`, KeyError, TypeError or ValueError otherwise."""
         parts = []
         for part in data["parts"]:
-            if part["kind"] not in _KINDS:
-                raise unknown("kind of formula in a part", str(part["kind"]), _KINDS)
+            if part["kind"] not in KINDS:
+                raise unknown("kind of formula in a part", str(part["kind"]), KINDS)
             names = tuple(str(v) for v in part["variables"])
-            formula = _KINDS[part["kind"]].from_dict(part, len(names))
+            formula = KINDS[part["kind"]].from_dict(part, len(names))
             parts.append(Part(str(part["name"]), names, formula))
         return cls(tuple(str(v) for v in data["variables"]), str(data["text"]), tuple(parts))

@@ -8,6 +8,7 @@ import numpy as np
 
 from ecfit.certify.subject import Subject
 from ecfit.expressions import Node, const, value
+from ecfit.expressions.bounds import smallest
 from ecfit.expressions.factors import factors
 from ecfit.forms import Minimum
 
@@ -185,7 +186,14 @@ def value_range(subject: Subject, ceiling: Ceiling | None, seed: int) -> Range:
         known = checked[-1] < 1e-9 and nonnegative(shared, subject)
         return nonnegative(rest, subject) if known else ""
 
-    if low >= 0.0:
+    if subject.parts:
+        ends = _by_parts(subject, seed)
+        if ends[0] > low:
+            low, lower = ends[0], ">= 0 by the ranges of its parts" if ends[0] >= 0.0 else ""
+        high = min(high, ends[1])
+    if lower:
+        pass
+    elif low >= 0.0:
         lower = ">= 0 by subdivision"
     elif below.value >= -SLACK and (how := product("surplus", subject.value)):
         low, lower = 0.0, f">= 0 exactly: the value is a product >= 0 times a surplus >= 0 ({how})"
@@ -226,6 +234,17 @@ def value_range(subject: Subject, ceiling: Ceiling | None, seed: int) -> Range:
         upper=upper,
         identity=max(checked, default=None),
     )
+
+
+def _by_parts(subject: Subject, seed: int) -> tuple[float, float]:
+    """Bounds of a composed value from the proved ranges of its parts, each taken by itself."""
+    box = {}
+    for name, part in subject.parts.items():
+        own = value_range(part, Ceiling("1", const(1.0)), seed)
+        box[name] = (own.low, own.high)
+    if subject.text is None or not np.all(np.isfinite([*box.values()])):
+        return -np.inf, np.inf
+    return smallest(subject.text, box).bound, -smallest(-subject.text, box).bound
 
 
 def nonnegative(node: Node, subject: Subject) -> str:

@@ -1,7 +1,5 @@
 """`certify`: prove what can be proved of an approximation, measure the rest."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from ecfit.approximation import Approximation
@@ -44,7 +42,7 @@ def certify(
     hard = hard_points(approximation, max(1, int(_HARD * rule.count)), rule.seed)
     proofs = divisors(subject)
     sound = all(p.proven for p in proofs)
-    subject = replace(subject, floors=floors(subject, proofs)) if sound else subject
+    subject = subject.knowing(floors(subject, proofs)) if sound else subject
     errors, corner, why = _truth(approximation, points, rule, tolerance)
     least = {name: max(p.bound, 0.0) for (name, _, _), p in zip(subject.divisors, proofs, strict=True)}
     rounding = single_bound(subject, least) if sound else None

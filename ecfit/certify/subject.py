@@ -6,10 +6,12 @@ its values at lower cosines are among those bounded.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from ecfit.approximation import Approximation
+from ecfit.approximation.composed import Composed
+from ecfit.approximation.formula import Formula
 from ecfit.approximation.structured import StructuredFormula
 from ecfit.expressions import Node, maximum, minimum, substitute, var
 from ecfit.expressions.bounds import smallest
@@ -37,6 +39,7 @@ class Subject:
             those that the form has.
         domain: the closed domain.
         charted: whether `value` is in the corner chart.
+        parts: of a composed formula, the subjects of its parts by name; `text` is the value in their names.
         floors: what has been proved of divisors; see `ecfit.expressions.bounds.smallest`.
     """
 
@@ -47,17 +50,23 @@ class Subject:
     domain: ChartDomain
     charted: bool
     held: Mapping[str, tuple[Node, Node]] = field(default_factory=dict)
+    parts: Mapping[str, "Subject"] = field(default_factory=dict)
+    text: Node | None = None
     floors: Mapping[Node, float] = field(default_factory=dict)
 
     @classmethod
     def of(cls, approximation: Approximation) -> "Subject":
         """The subject of an approximation. Raises `EcfitError` for tables, which have no expression."""
         ranges = dict(zip(approximation.variables, approximation.domain, strict=True))
-        plain = approximation.expression()
-        formula = approximation.formula
+        return cls._of(approximation.formula, approximation.expression(), ranges, approximation.is_quotient)
+
+    @classmethod
+    def _of(cls, formula: Formula, plain: Node, ranges: Box, quotient: bool) -> "Subject":
         if isinstance(formula, StructuredFormula):
             return cls._structured(formula, plain, ranges)
-        named = [("Q", q) for q in _divisors(plain)[:1]] if approximation.is_quotient else []
+        if isinstance(formula, Composed):
+            return cls._composed(formula, plain, ranges)
+        named = [("Q", q) for q in _divisors(plain)[:1]] if quotient else []
         rest = [q for q in _divisors(plain) if q not in [n for _, n in named]]
         divisors = [*named, *((f"divisor {i + 1}", q) for i, q in enumerate(rest))]
         domain = ChartDomain(ranges, ranges)
@@ -84,6 +93,57 @@ class Subject:
         }
         charted = bool({"t", "rho"} & inputs(value))
         return cls(value_, value, plain, tuple(divisors), domain, charted, products)
+
+    @classmethod
+    def _composed(cls, formula: Composed, plain: Node, ranges: Box) -> "Subject":
+        parts = {
+            p.name: cls._of(
+                p.formula, p.formula.expression(p.variables), {v: ranges[v] for v in p.variables}, False
+            )
+            for p in formula.parts
+        }
+        charted = any(part.charted for part in parts.values())
+        if charted:
+            parts = {name: part.in_chart() for name, part in parts.items()}
+        text = formula.text_expression
+        value = substitute(text, {name: part.value for name, part in parts.items()})
+        divisors = [
+            (f"{name}: {label}", node, own)
+            for name, part in parts.items()
+            for label, node, own in part.divisors
+        ]
+        known = [node for _, node, _ in divisors]
+        rest = [node for node in _divisors(value) if node not in known]
+        divisors += [(f"divisor {i + 1}", node, None) for i, node in enumerate(rest)]
+        return cls(
+            value,
+            substitute(text, {name: part.chart for name, part in parts.items()}),
+            plain,
+            tuple(divisors),
+            ChartDomain.of(ranges) if charted else ChartDomain(ranges, ranges),
+            charted,
+            parts=parts,
+            text=text,
+        )
+
+    def in_chart(self) -> "Subject":
+        """The same with alpha and mu written in the corner chart, where they were not."""
+        if self.charted or not {"alpha", "mu"} & set(self.domain.ranges):
+            return self
+        nodes = chart()
+        return replace(
+            self,
+            value=replaced(substitute(self.value, nodes), _clipped(self.domain.ranges)),
+            chart=substitute(self.chart, nodes),
+            divisors=tuple((name, substitute(node, nodes), own) for name, node, own in self.divisors),
+            domain=ChartDomain.of(self.domain.ranges),
+            charted=True,
+        )
+
+    def knowing(self, floors: Mapping[Node, float]) -> "Subject":
+        """The same, with what has been proved of divisors."""
+        parts = {name: part.knowing(floors) for name, part in self.parts.items()}
+        return replace(self, floors=floors, parts=parts)
 
     @cached_property
     def roots(self) -> tuple[Node, ...]:

@@ -194,13 +194,19 @@ _FORM_KEYS = {
     "structured": ("head", "features", "terms", "start"),
     "selected": ("head", "features", "within", "budget", "rounds", "seeds", "price"),
     "module": ("module", "module_settings"),
+    "composed": ("text", "parts"),
 }
 _OPTIONAL_KEYS = (
     "degree", "numerator", "denominator", "guarded", "start", "rounds", "seeds", "price",
     "module_settings",
 )  # fmt: skip
-# Keys of a fit that a module does not take: it is fitted by least squares.
-_NOT_OF_MODULES = ("norm", "strength", "margin", "ridge", "monotone")
+# How a fit is made: keys of which a module takes some, as it is fitted by least squares, and a composed form
+# none, as it is not fitted.
+_HOW = ("norm", "digits", "strength", "margin", "ridge", "weights", "monotone")
+_NOT_OF = {
+    "module": (("norm", "strength", "margin", "ridge", "monotone"), "it is fitted by least squares"),
+    "composed": (_HOW, "its parts are fitted, it is not"),
+}
 
 
 def _written(key: str) -> str:
@@ -213,7 +219,7 @@ class FitsConfig(_Section):
 
     tables: Annotated[list[str], Field(min_length=1, description="names of tables")]
     form: Annotated[
-        Literal["polynomial", "rational", "structured", "selected", "module"],
+        Literal["polynomial", "rational", "structured", "selected", "module", "composed"],
         Field(description="family of functions"),
     ]
     name: Annotated[
@@ -246,6 +252,12 @@ class FitsConfig(_Section):
     module_settings: Annotated[
         dict[str, Any] | None, Field(alias="settings", description="module: what it is made with")
     ] = None
+    text: Annotated[
+        str | None, Field(min_length=1, description="composed: the value in the names of its parts")
+    ] = None
+    parts: Annotated[
+        dict[str, str] | None, Field(min_length=1, description="composed: name in the text = name of a fit")
+    ] = None
     norm: Annotated[NormName, Field(description="what best means")] = "least-squares"
     digits: Annotated[int | None, Field(ge=3, le=17, description="coefficients rounded to these")] = None
     strength: Annotated[float, Field(ge=0.0, description="weight of what keeps Q > 0 and E <= 1")] = 1.0
@@ -269,9 +281,12 @@ class FitsConfig(_Section):
         for key in needs:
             if key not in _OPTIONAL_KEYS and getattr(self, key) is None:
                 raise ValueError(f"the form '{self.form}' needs {key}")
-        for key in _NOT_OF_MODULES:
-            if self.form == "module" and getattr(self, key) != type(self).model_fields[key].default:
-                raise ValueError(f"{key} does not belong to the form 'module': it is fitted by least squares")
+        foreign, why = _NOT_OF.get(self.form, ((), ""))
+        for key in foreign:
+            if getattr(self, key) != type(self).model_fields[key].default:
+                raise ValueError(f"{key} does not belong to the form '{self.form}': {why}")
+        if self.form == "composed" and self.name is None:
+            raise ValueError("a composed form needs a name")
         if self.name is not None and (len(self.tables) > 1 or len(self.settings()) > 1):
             raise ValueError("a name is for one fit: give one table and one degree or budget")
         return self
@@ -295,6 +310,8 @@ class FitsConfig(_Section):
         """The form's settings of each fit, in the order of the file."""
         if self.module is not None:
             return [{"module": self.module, "settings": self.module_settings or {}}]
+        if self.parts is not None:
+            return [{"text": self.text, "parts": self.parts}]
         if self.terms is not None:
             terms = {"numerators": self.terms.numerators, "denominator": self.terms.denominator}
             return [{"head": self.head, "features": self.features, **terms, "start": self.start or ()}]
@@ -312,9 +329,8 @@ class FitsConfig(_Section):
 
     def norm_settings(self) -> dict[str, Any]:
         """How each is fitted, where that is not plain least squares."""
-        keys = ("norm", "digits", "strength", "margin", "ridge", "weights", "monotone")
-        usual = {key: type(self).model_fields[key].default for key in keys}
-        return {key: getattr(self, key) for key in keys if getattr(self, key) != usual[key]}
+        usual = {key: type(self).model_fields[key].default for key in _HOW}
+        return {key: getattr(self, key) for key in _HOW if getattr(self, key) != usual[key]}
 
     def _degree_settings(self) -> list[dict[str, Any]]:
         rest: dict[str, int | bool] = {} if self.guarded else {"guarded": False}

@@ -37,7 +37,12 @@ _CLOSED = {"alpha": (0.0, 1.0), "mu": (0.0, 1.0)}
 def domain_of(structure: Structure, table: Table) -> dict[str, tuple[float, float]]:
     """The closed domain of a form fitted to a table: [0, 1] for alpha and mu, the table's for the others."""
     check_coordinates(structure.variables, table.axes)
-    return {name: _CLOSED.get(name) or _range(table, name) for name in structure.variables}
+    return closed_domain(structure.variables, table)
+
+
+def closed_domain(variables: Sequence[str], table: Table) -> dict[str, tuple[float, float]]:
+    """[0, 1] for alpha and mu, the table's range for the others. Raises `EcfitError` where it has none."""
+    return {name: _CLOSED.get(name) or _range(table, name) for name in variables}
 
 
 def _range(table: Table, name: str) -> tuple[float, float]:

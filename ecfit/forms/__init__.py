@@ -3,6 +3,7 @@
 from ecfit.forms.bernstein import Minimum as Minimum
 from ecfit.forms.bernstein import minimum as minimum
 from ecfit.forms.bernstein import smallest_denominator as smallest_denominator
+from ecfit.forms.composition import Composition as Composition
 from ecfit.forms.families import MAX_DEGREE as MAX_DEGREE
 from ecfit.forms.families import Form as Form
 from ecfit.forms.families import Polynomial as Polynomial

@@ -3,6 +3,7 @@
 import inspect
 
 from ecfit.errors import EcfitError, did_you_mean, unknown
+from ecfit.forms.composition import Composition
 from ecfit.forms.families import Form, Polynomial, Rational
 from ecfit.forms.modules import ModuleForm
 from ecfit.forms.specified import Selected, Structured
@@ -13,6 +14,7 @@ _FORMS: dict[str, type[Form]] = {
     "structured": Structured,
     "selected": Selected,
     "module": ModuleForm,
+    "composed": Composition,
 }
 
 

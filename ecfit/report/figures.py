@@ -1,5 +1,6 @@
 """The figures of a report. Each function returns a Matplotlib figure; nothing is written here."""
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -44,7 +45,7 @@ def degree_vs_error(name: str, table: Table, fits: Sequence[Fit], published: Pub
     single = [f for f in fits if f.approximation.form in points]
     fits = [f for f in fits if f.approximation.form in families]
     degrees = list(dict.fromkeys(f.approximation.degree for f in fits))
-    degrees.sort(key=lambda d: [int(part) for part in d.split("/")])
+    degrees.sort(key=lambda d: [int(part) for part in re.findall(r"\d+", d)])
     by_key = {(f.approximation.form, f.approximation.degree): f for f in fits}
     with look():
         figure = Figure(figsize=(9.6, max(3.4, 0.8 + 0.24 * len(degrees))), layout="constrained")

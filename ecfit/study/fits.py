@@ -6,11 +6,13 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from ecfit.approximation.compose import compose
 from ecfit.errors import EcfitError
 from ecfit.files import read_json, write_json
 from ecfit.fitting import Fit, Fitter
-from ecfit.fitting.structured import within_budget
-from ecfit.forms import Selected
+from ecfit.fitting.result import judged
+from ecfit.fitting.structured import closed_domain, within_budget
+from ecfit.forms import Composition, Selected
 from ecfit.study.plan import Plan, PlannedFit
 from ecfit.study.plugins import load_plugins
 from ecfit.study.searches import found_for
@@ -87,7 +89,8 @@ def compute_fits(
     missing = missing_fits(plan, folder)
     tasks = []
     for name, path in tables.items():
-        fits = tuple(planned for planned in missing if planned.table == name)
+        own = [planned for planned in missing if planned.table == name]
+        fits = tuple(planned for planned in own if not isinstance(planned.form, Composition))
         if fits:
             tasks.append(TableFits(path, folder, fits, _cost(fits, len(plan.requests[name].grid.axes))))
     took: dict[str, float] = {}
@@ -106,7 +109,27 @@ def compute_fits(
         heard=heard,
         prepare=partial(load_plugins, plan.config.plugins, base.resolve()),
     )
+    for planned in missing:
+        if isinstance(planned.form, Composition):
+            _compose(planned, planned.form, plan, folder, Table.load(tables[planned.table]))
+            advance(1)
     seconds |= {f"fit {f.label}": took[f.label] for f in missing if f.label in took}
+
+
+def _compose(planned: PlannedFit, form: Composition, plan: Plan, folder: Path, table: Table) -> None:
+    """Put a form together from fits that are on disk, and judge it on its table."""
+    named = {other.name: other for other in plan.fits}
+    parts = {name: stored_fit(named[fit], folder) for name, fit in form.parts}
+    known = {name: fit for name, fit in parts.items() if fit is not None}
+    try:
+        approximations = {name: fit.approximation for name, fit in known.items()}
+        names = dict.fromkeys(v for a in approximations.values() for v in a.variables)
+        within = closed_domain(tuple(names), table)
+        whole = compose(str(planned.name), form.text, approximations, table.contract, within)
+        whole.nodes_of({axis.name: axis.nominal for axis in table.axes})
+    except EcfitError as error:
+        raise EcfitError(f"fit '{planned.label}': {error}") from None
+    _write(planned, judged(whole, table, all(f.ok for f in known.values()), 0, 0), table, folder)
 
 
 def _cost(fits: tuple[PlannedFit, ...], variables: int) -> float:
@@ -133,5 +156,9 @@ def _fit(fitter: Fitter, planned: PlannedFit, folder: Path) -> None:
         fit = fitter.fit(form, planned.name, **planned.settings)
     except EcfitError as error:
         raise EcfitError(f"fit '{planned.label}': {error}") from None
-    provenance = {**versions(), "table": str(fitter.table.provenance.get("key", ""))}
+    _write(planned, fit, fitter.table, folder)
+
+
+def _write(planned: PlannedFit, fit: Fit, table: Table, folder: Path) -> None:
+    provenance = {**versions(), "table": str(table.provenance.get("key", ""))}
     write_json(fit_path(planned, folder), {"key": planned.key, **fit.to_dict(), "provenance": provenance})

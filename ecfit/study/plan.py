@@ -12,9 +12,9 @@ from ecfit.approximation.tables import lookup_request
 from ecfit.bsdf import model
 from ecfit.config import AxisConfig, CompareConfig, StudyConfig, TableConfig
 from ecfit.coordinates import Axis
-from ecfit.errors import EcfitError
+from ecfit.errors import EcfitError, unknown
 from ecfit.fitting.fit import check_asked, check_data
-from ecfit.forms import Form, Selected, form
+from ecfit.forms import Composition, Form, Selected, form
 from ecfit.forms.modules import factory_of
 from ecfit.quantities import quantity
 from ecfit.study.plugins import load_plugins
@@ -153,6 +153,8 @@ def make_plan(config: StudyConfig, base: Path) -> Plan:
                 text: list[Any] = [FITTING_VERSION, requests[name].key, made.name, made.degree]
                 if section.form not in ("polynomial", "rational") or rest:
                     text += [settings, rest]
+                if isinstance(made, Composition):
+                    text.append(_part_keys(made, label, fits))
                 if section.module is not None:
                     text.append(source_hash(factory_of(section.module)))
                 key = _hash(text)
@@ -173,6 +175,15 @@ def make_plan(config: StudyConfig, base: Path) -> Plan:
             compare[name] = compare.get(name, ()) + found
             lookups[name] = lookups.get(name, ()) + _lookups(section, name, requests[name])
     return Plan(config, requests, tuple(fits), tuple(searches.values()), compare, lookups)
+
+
+def _part_keys(made: Composition, label: str, fits: list[PlannedFit]) -> list[str]:
+    """The keys of the fits that a form is composed of. Raises `EcfitError` where one is not named before."""
+    known = {f.name: f.key for f in fits if f.name is not None and not isinstance(f.form, Composition)}
+    for _, name in made.parts:
+        if name not in known:
+            raise EcfitError(f"fit '{label}': {unknown('fit named before it', name, known)}")
+    return [known[name] for _, name in made.parts]
 
 
 def _hash(text: list[Any]) -> str:
