@@ -298,11 +298,10 @@ def competitors(material: Material) -> list[tuple[Approximation, list[str]]]:
 
 def author(approximation: Approximation) -> str:
     """Who published it and when, for figures: "Kulla & Conty 2017"."""
-    words = approximation.source.replace(",", " ,").split()
-    for i, word in enumerate(words):
-        if word in (",", "(Apache-2.0)", "(BSD-3)") or (word.isdigit() and len(word) == 4):
-            return " ".join(words[: i + 1 if word.isdigit() else i])
-    return approximation.name
+    source = approximation.source
+    name = re.split(r",| \(", source)[0]
+    year = re.search(r"\b(19|20)\d\d", source)
+    return name if year is None or year[0] in name else f"{name} {year[0]}"
 
 
 def fill(
@@ -397,7 +396,7 @@ class Labels:
                 align = "left" if dx > 0 else "right" if dx < 0 else "center"
                 note.set_horizontalalignment(align)
                 note.set_position((dx * distance, dy * distance))
-                box = note.get_window_extent(self.renderer).padded(1.0)
+                box = note.get_window_extent(self.renderer).padded(2.5)
                 inside = (
                     box.x0 >= self.frame.x0 and box.x1 <= self.frame.x1 + 4.0
                     and box.y0 >= self.frame.y0 and box.y1 <= self.frame.y1 + 4.0
@@ -485,7 +484,7 @@ def figure_of(material: Material, timed: bool) -> Figure:
                 labels.keep_line_clear([of_x(e) for e in line], [of_y(e) for e in line])
             for e in sorted(shown, key=lambda e: e.kind != "ours"):
                 colour = _LINES.get(e.kind, PUBLISHED)
-                labels.place(of_x(e), of_y(e), _label(e), colour, bold=e.kind == "ours")
+                labels.place(of_x(e), of_y(e), _label(e, shown), colour, bold=e.kind == "ours")
     return figure
 
 
@@ -500,12 +499,18 @@ def svg(figure: Figure) -> bytes:
     return re.sub(r"\n\s+", "\n", text).encode()
 
 
-def _label(e: Entry) -> str:
+def _label(e: Entry, shown: Sequence[Entry]) -> str:
+    """A name; of the tables on a line, the largest says how its nodes are spaced."""
     if e.kind == "ours":
         return e.name
     if e.kind == "published":
-        return e.label + (f" ({e.note})" if e.note else "")
-    return e.name.replace("table ", "").replace("^2", "²").replace("^3", "³").replace("^4", "⁴")
+        return e.label + (
+            f" ({e.note.replace('transport = ', '').replace('masking = ', '')})" if e.note else ""
+        )
+    plain = ", uniform" if e.kind == "table" else ""
+    text = f"{e.name}{plain}" if e is of_kind(shown, e.kind)[-1] else e.label
+    text = text.replace("table ", "").replace("^2", "²").replace("^3", "³").replace("^4", "⁴")
+    return text
 
 
 def _plain_ticks(axes: Axes) -> None:
@@ -637,7 +642,9 @@ def main() -> None:
     parser.add_argument("--cache", type=Path, help="folder that keeps integrals and tables")
     parser.add_argument("--figures", type=Path, help="folder of the figures (docs/figures with --write)")
     parser.add_argument("--only", help="materials whose title has this in it")
-    parser.add_argument("--write", action="store_true", help="write docs/choosing-a-fit.md and its figures")
+    parser.add_argument(
+        "--write", action="store_true", help="write docs/choosing-a-fit.md, its figures and times"
+    )
     given = parser.parse_args()
     found = [m for m in materials() if given.only is None or given.only.lower() in m.title.lower()]
     if given.write and (given.only or given.quick or given.points < 20_000):
@@ -645,6 +652,7 @@ def main() -> None:
             "--write needs all materials and the whole sample: leave out --only, --quick and --points"
         )
     times: dict[str, float] = {}
+    measured: list[evaluation.Timed] = []
     try:
         measured = evaluation.measure(evaluation.formulas(), given.quick)
         times = {t.name: t.native for t in measured}
@@ -664,6 +672,9 @@ def main() -> None:
     if given.write:
         generated = {"recommendations": advice, "materials": sections(found, given.points)}
         common.replace_between(common.DOCS / "choosing-a-fit.md", "choosing.py", **generated)
+        if measured:  # both documents show the times of one run
+            table = evaluation.printed(measured)
+            common.replace_between(common.DOCS / "performance.md", "evaluation.py", evaluation=table)
 
 
 if __name__ == "__main__":
