@@ -139,7 +139,7 @@ def test_gradients_of_f_are_finite_on_both_sides(side):
             assert np.all(np.isfinite(slope(0.3, ior, WO, wi)))
 
 
-@each_side
+@pytest.mark.parametrize("side", [pytest.param("entering", marks=pytest.mark.slow), "leaving"])
 def test_the_beta_masking_is_another_for_transmission_only(side):
     R, T = (
         [
