@@ -155,7 +155,7 @@ def test_estimates_cover_the_distance_from_those_integrals(side, masking, level)
 
 
 @each_side
-@pytest.mark.parametrize("level", [0, 1, 2])
+@pytest.mark.parametrize("level", [pytest.param(0, marks=pytest.mark.slow), 1, 2])
 def test_estimates_are_honest(side, level):
     found, truth = (lobes(side, n, *stress(side)) for n in (level, FINEST))
     assert np.all(np.isfinite(found))

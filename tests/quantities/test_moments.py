@@ -11,7 +11,8 @@ from ecfit.errors import EcfitError
 from ecfit.microfacet import ConductorFresnel, DielectricFresnel, Fresnel
 from ecfit.quantities import F82Moment, SchlickA, quantity
 
-MU, R = [0.05, 0.4, 1.0], [0.2, 0.7]
+# Not grazing and not smooth: each level more, which those need, is a compilation for every quantity.
+MU, R = [0.2, 0.4, 1.0], [0.4, 0.7]
 AXES = {"r": R, "mu": MU}
 
 
