@@ -48,11 +48,13 @@ Counts = Annotated[list[Annotated[int, Field(ge=2, le=200)]], Field(min_length=1
 NormName = Literal[
     "least-squares",
     "l1",
+    "l3",
     "l4",
     "l8",
     "minimax",
     "furnace-mean",
     "furnace-rms",
+    "furnace-l4",
     "furnace-p99",
     "furnace-max",
 ]

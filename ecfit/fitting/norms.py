@@ -40,11 +40,13 @@ NORMS: dict[str, Norm] = {
     for n in (
         Norm("least-squares", "root mean square of e - E"),
         Norm("l1", "mean of |e - E|", power=1.0),
+        Norm("l3", "third-power mean of |e - E|: lowers the maximum for little in the mean", power=3.0),
         Norm("l4", "fourth-power mean of e - E: between least squares and the maximum", power=4.0),
         Norm("l8", "eighth-power mean of e - E: nearer to the maximum", power=8.0),
         Norm("minimax", "maximum of |e - E|", power=np.inf),
         Norm("furnace-mean", "mean of |E / e - 1|", True, 1.0),
         Norm("furnace-rms", "root mean square of E / e - 1", True),
+        Norm("furnace-l4", "fourth-power mean of E / e - 1", True, 4.0),
         Norm("furnace-p99", "99th percentile of |E / e - 1|", True, 8.0, 0.01),
         Norm("furnace-max", "maximum of |E / e - 1|", True, np.inf),
     )

@@ -271,7 +271,7 @@ def test_structured_and_selected_forms_have_their_settings(tmp_path: Path):
 @pytest.mark.parametrize(
     ("change", "line", "words"),
     [
-        (('norm = "l1"', 'norm = "l2"'), 12, ("norm", "'l2'", "least-squares, l1, l4")),
+        (('norm = "l1"', 'norm = "l2"'), 12, ("norm", "'l2'", "least-squares, l1, l3, l4")),
         (('norm = "l1"', "digits = 2"), 12, ("digits", "greater than or equal to 3")),
         (('norm = "l1"', "strength = -1.0"), 12, ("strength", "greater than or equal to 0")),
         (('norm = "l1"', "ridge = true"), 12, ("ridge", "number")),
