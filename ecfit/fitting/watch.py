@@ -42,7 +42,7 @@ def weak_points(
     at = chart_points(coordinates)
     with np.errstate(all="ignore"):
         q_ = np.broadcast_to(value(q, at), shape)
-        lacks = [_LEAST_Q - q_ / np.mean(q_)]
+        lacks = [_LEAST_Q - q_ / np.mean(np.abs(q_))]
         lacks += [0.5 * margin - np.broadcast_to(value(node, at), shape) for node in held]
     # In parts of what is usual, so that both kinds compare.
     sizes = [max(float(np.median(np.abs(lack))), 1e-12) for lack in lacks]

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import ecfit
-from ecfit.approximation import Approximation
+from ecfit.approximation import Approximation, Written
+from ecfit.approximation.compose import compose
 from ecfit.approximation.lookup import Lookup
 from ecfit.certify import Certificate, Sampling, certify
 from ecfit.cli import main
@@ -178,3 +179,29 @@ def test_command(capsys: pytest.CaptureFixture, tmp_path: Path):
             main(["certify", *arguments])
         assert bad.value.code == 2
         assert "error: " in capsys.readouterr().err
+
+
+def test_a_composed_form_is_certified_by_its_parts(corner: Make):
+    """E1 E_spec of a corner form and a written one: each part's range bounds the product exactly."""
+    first = corner()
+    schlick = Approximation(
+        "s", "written", "1", ("mu", "F0"), Written(("mu", "F0"), "F0 + (1 - F0)*(1 - mu)**5"),
+        ((0.0, 1.0), (0.0, 1.0)), Contract("unknown"),
+    )  # fmt: skip
+    parts = {"E": first, "S": schlick}
+    found = certify(compose("r", "E*S", parts, Contract("unknown", transport="energy")), samples=200)
+    assert found.certified, found.refusals
+    assert found.charted
+    assert found.values is not None
+    assert found.values.low >= -1e-12
+    assert found.values.high == pytest.approx(1.0, abs=1e-9)
+    assert [p.claim for p in found.divisors] == ["E: Q' > 0"]
+    # What may fall below 0 is clamped in the text, and proved so.
+    low = certify(
+        compose("a", "max(E - 2*S, 0)", parts, Contract("unknown", transport="energy")), samples=200
+    )
+    assert low.values is not None
+    assert low.values.low == 0.0
+    assert not certify(
+        compose("a", "E - 2*S", parts, Contract("unknown", transport="energy")), samples=200
+    ).certified

@@ -34,6 +34,7 @@ figures = ["svg"]
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
+    """A finished run, with its report."""
     made = tmp_path_factory.mktemp("searches")
     (made / "searched.toml").write_text(CONFIG)
     ecfit.run(made / "searched.toml", made / "results", workers=1)
@@ -74,6 +75,7 @@ def test_the_front_is_written(folder):
     assert (folder / "results/searched/figures/conductor-searches.svg").exists()
 
 
+@pytest.mark.usefixtures("no_report")
 def test_what_is_gone_or_damaged_is_searched_again(folder):
     results = folder / "results/searched"
     files = sorted((results / "searches").iterdir())
