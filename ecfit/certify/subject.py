@@ -1,8 +1,8 @@
 """What is proved about an approximation: its expression, and the box over which bounds are taken.
 
 Forms in alpha and mu are proved in the corner chart (alpha = rho t, mu = rho (1 - t)), which covers the
-closed domain and in which nothing is 0 / 0. Such a form is evaluated with a cosine of at least `LEAST_MU`, so
-its values at lower cosines are among those bounded.
+closed domain and in which nothing is 0 / 0. Such a form is evaluated with a cosine of at least its
+`least_mu`, so its values at lower cosines are among those bounded.
 """
 
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ from functools import cached_property
 
 from ecfit.approximation import Approximation
 from ecfit.approximation.structured import StructuredFormula
-from ecfit.expressions import Node, maximum, minimum, substitute, var
+from ecfit.expressions import Node, maximum, minimum
 from ecfit.expressions.bounds import smallest
 from ecfit.expressions.node import inputs, replaced, topological
 from ecfit.forms import Minimum
@@ -38,6 +38,7 @@ class Subject:
         domain: the closed domain.
         charted: whether `value` is in the corner chart.
         floors: what has been proved of divisors; see `ecfit.expressions.bounds.smallest`.
+        least_mu: what `plain` raises cosines to, if it does.
     """
 
     value: Node
@@ -48,6 +49,7 @@ class Subject:
     charted: bool
     held: Mapping[str, tuple[Node, Node]] = field(default_factory=dict)
     floors: Mapping[Node, float] = field(default_factory=dict)
+    least_mu: float = LEAST_MU
 
     @classmethod
     def of(cls, approximation: Approximation) -> "Subject":
@@ -67,10 +69,7 @@ class Subject:
     def _structured(cls, formula: StructuredFormula, plain: Node, ranges: Box) -> "Subject":
         structure = formula.structure
         value, held, q = structure.chart(formula.values)
-        # The form's own Q in the expression that is evaluated, which may raise mu to `LEAST_MU`.
-        own = structure.denominator_expression(formula.values)
-        if own not in _divisors(plain):
-            own = substitute(own, {"mu": maximum(var("mu"), LEAST_MU)})
+        own = structure.divisor(formula.values)
         domain = ChartDomain.of(ranges)
         clipped = _clipped(ranges)
         value_, q_ = replaced(value, clipped), replaced(q, clipped)
@@ -83,7 +82,8 @@ class Subject:
             for h, rest in zip(structure.head.held, held, strict=True)
         }
         charted = bool({"t", "rho"} & inputs(value))
-        return cls(value_, value, plain, tuple(divisors), domain, charted, products)
+        least_mu = structure.least_mu
+        return cls(value_, value, plain, tuple(divisors), domain, charted, products, least_mu=least_mu)
 
     @cached_property
     def roots(self) -> tuple[Node, ...]:

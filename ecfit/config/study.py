@@ -191,12 +191,12 @@ class WithinConfig(_Section):
 _FORM_KEYS = {
     "polynomial": ("degree",),
     "rational": ("degree", "numerator", "denominator", "guarded"),
-    "structured": ("head", "features", "terms", "start"),
+    "structured": ("head", "features", "terms", "start", "charted"),
     "selected": ("head", "features", "within", "budget", "rounds", "seeds", "price"),
     "module": ("module", "module_settings"),
 }
 _OPTIONAL_KEYS = (
-    "degree", "numerator", "denominator", "guarded", "start", "rounds", "seeds", "price",
+    "degree", "numerator", "denominator", "guarded", "start", "charted", "rounds", "seeds", "price",
     "module_settings",
 )  # fmt: skip
 # Keys of a fit that a module does not take: it is fitted by least squares.
@@ -229,6 +229,9 @@ class FitsConfig(_Section):
     features: Annotated[list[str] | None, Field(description="structured, selected: names of features")] = None
     terms: Annotated[TermsConfig | None, Field(description="structured: exponents of the features")] = None
     start: Annotated[list[float] | None, Field(description="structured: coefficients to begin from")] = None
+    charted: Annotated[
+        bool, Field(description="structured: evaluated in alpha / rho, mu / rho, rho: for half precision")
+    ] = False
     within: Annotated[WithinConfig | None, Field(description="selected: bounds of the terms")] = None
     budget: Annotated[Counts | None, Field(description="selected: number of coefficients, or a list")] = None
     rounds: Annotated[int, Field(ge=0, le=100_000, description="selected: exchanges tried")] = 100
@@ -297,7 +300,11 @@ class FitsConfig(_Section):
             return [{"module": self.module, "settings": self.module_settings or {}}]
         if self.terms is not None:
             terms = {"numerators": self.terms.numerators, "denominator": self.terms.denominator}
-            return [{"head": self.head, "features": self.features, **terms, "start": self.start or ()}]
+            # Left out where it is the default: the keys of fits hash these.
+            rest = {"charted": True} if self.charted else {}
+            return [
+                {"head": self.head, "features": self.features, **terms, "start": self.start or (), **rest}
+            ]
         if self.within is not None:
             bounds = {
                 "numerators": [n.model_dump() for n in self.within.numerators],
