@@ -200,7 +200,7 @@ _OPTIONAL_KEYS = (
     "module_settings",
 )  # fmt: skip
 # Keys of a fit that a module does not take: it is fitted by least squares.
-_NOT_OF_MODULES = ("norm", "strength", "margin", "ridge", "monotone")
+_NOT_OF_MODULES = ("norm", "strength", "margin", "ridge", "monotone", "lower_bound")
 
 
 def _written(key: str) -> str:
@@ -263,6 +263,10 @@ class FitsConfig(_Section):
         Field(min_length=1, description="coordinate = 1 (does not fall) or -1 (does not rise)"),
     ] = None
 
+    lower_bound: Annotated[
+        bool, Field(description="also compute the least possible largest error of the form")
+    ] = False
+
     @model_validator(mode="after")
     def _keys(self) -> "FitsConfig":
         needs = _FORM_KEYS[self.form]
@@ -319,7 +323,7 @@ class FitsConfig(_Section):
 
     def norm_settings(self) -> dict[str, Any]:
         """How each is fitted, where that is not plain least squares."""
-        keys = ("norm", "digits", "strength", "margin", "ridge", "weights", "monotone")
+        keys = ("norm", "digits", "strength", "margin", "ridge", "weights", "monotone", "lower_bound")
         usual = {key: type(self).model_fields[key].default for key in keys}
         return {key: getattr(self, key) for key in keys if getattr(self, key) != usual[key]}
 

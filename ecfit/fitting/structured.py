@@ -37,10 +37,11 @@ _CLOSED = {"alpha": (0.0, 1.0), "mu": (0.0, 1.0)}
 def domain_of(structure: Structure, table: Table) -> dict[str, tuple[float, float]]:
     """The closed domain of a form fitted to a table: [0, 1] for alpha and mu, the table's for the others."""
     check_coordinates(structure.variables, table.axes)
-    return {name: _CLOSED.get(name) or _range(table, name) for name in structure.variables}
+    return {name: _CLOSED.get(name) or table_range(table, name) for name in structure.variables}
 
 
-def _range(table: Table, name: str) -> tuple[float, float]:
+def table_range(table: Table, name: str) -> tuple[float, float]:
+    """The range of a coordinate on a table, whichever view of it an axis has."""
     for axis in table.axes:
         low, high = (viewed(name, axis.name, end) for end in (axis.low, axis.high))
         if low is not None and high is not None:

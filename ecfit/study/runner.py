@@ -42,6 +42,7 @@ SUMMARY_COLUMNS = (
     "prediction_low",
     "prediction_high",
     "iterations",
+    "max_over_least",
 )
 
 # `rms` is in the search's own weights, `cost` in multiply-adds; `front`: none is better at less cost.
@@ -255,6 +256,7 @@ def _summary_rows(study: Study) -> Iterator[tuple[Any, ...]]:
                 _number(fit.prediction[0]),
                 _number(fit.prediction[1]),
                 fit.iterations,
+                "" if fit.max_over_least is None else _number(fit.max_over_least),
             )
     for name, rows in study.published.items():
         for approximation, errors in rows:
@@ -270,6 +272,7 @@ def _summary_rows(study: Study) -> Iterator[tuple[Any, ...]]:
                 _place(errors),
                 _number(errors.furnace_mean),
                 _number(errors.furnace_max),
+                "",
                 "",
                 "",
                 "",
