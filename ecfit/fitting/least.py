@@ -67,7 +67,8 @@ def least_max_error(fit: Fit, table: Table, margin: float = 0.0) -> Least:
     descent = descent_for(structure, table, domain)
     if descent.affine is None:
         raise EcfitError(
-            f"lower_bound is for heads that are linear in their ratio, not '{structure.head.name}': leave it out"
+            f"lower_bound is for heads that are linear in their ratio, not '{structure.head.name}': "
+            "leave it out"
         )
     support = [list(range(len(n))) for n in structure.numerators]
     support.append(list(range(1, len(structure.denominator))))

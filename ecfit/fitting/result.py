@@ -93,7 +93,7 @@ class Fit:
         return self.max_error / self.least_max_error if self.least_max_error > 0.0 else np.inf
 
     def least_note(self) -> str:
-        """`max_over_least` for people, with a mark where the bound is not tight; empty where it is unknown."""
+        """`max_over_least` for people; empty where it is unknown, "at most" where the bound is not tight."""
         ratio = self.max_over_least
         if ratio is None:
             return ""

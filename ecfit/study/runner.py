@@ -239,6 +239,11 @@ def _number(value: float) -> str:
     return f"{value:.6e}"
 
 
+def _ratio(value: float | None) -> str:
+    """Empty where nothing is known: an infinite ratio is to a bound of 0."""
+    return "" if value is None or value == float("inf") else _number(value)
+
+
 def _summary_rows(study: Study) -> Iterator[tuple[Any, ...]]:
     for name, fits in study.fits.items():
         for fit in fits:
@@ -256,7 +261,7 @@ def _summary_rows(study: Study) -> Iterator[tuple[Any, ...]]:
                 _number(fit.prediction[0]),
                 _number(fit.prediction[1]),
                 fit.iterations,
-                "" if fit.max_over_least is None else _number(fit.max_over_least),
+                _ratio(fit.max_over_least),
             )
     for name, rows in study.published.items():
         for approximation, errors in rows:
