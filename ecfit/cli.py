@@ -68,6 +68,10 @@ def run(
     done = study.run(config, results, workers=workers, progress=_bars())
     for warning in done.warnings():
         _say(f"WARNING: {warning}")
+    for name, fits in done.fits.items():
+        for found in fits:
+            if found.least_max_error is not None:
+                print(f"table {name}: {found.approximation.name}: {_least_line(found)}")
     computed = f"{len(done.seconds)} computed, " if done.seconds else "nothing left to compute, "
     print(f"{computed}report: {done.report}")
 
@@ -229,6 +233,7 @@ def fit(
     numerator: int | None = None,
     denominator: int | None = None,
     guarded: bool = True,
+    lower_bound: bool = False,
     output: Path | None = None,
 ) -> None:
     """Fit a form to a table; print its errors and, with --output, save coefficients and contract (JSON).
@@ -245,6 +250,8 @@ def fit(
         Degrees of a rational, instead of degree.
     guarded
         Whether the denominator must keep its sign; without, the least-squares optimum may have a pole.
+    lower_bound
+        Also compute the least possible largest error of the form, and print the fit's in units of it.
     output
         File to write.
     """
@@ -257,12 +264,14 @@ def fit(
         settings["guarded"] = False
     if not any(value is not None for value in given.values()):
         raise EcfitError("fit needs --degree, or --numerator and --denominator")
-    done = ecfit.fit(ecfit.Table.load(table), make_form(form, **settings))
+    done = ecfit.fit(ecfit.Table.load(table), make_form(form, **settings), lower_bound=lower_bound)
     if not done.ok:
         _say(f"WARNING: {done.warning()}")
     place = ", ".join(f"{k} = {v:.4g}" for k, v in done.errors.place.items())
     print(f"{done.approximation.name}: {done.approximation.count} coefficients, {done.status}")
     print(f"MAE {done.mae:.4e}, RMSE {done.rmse:.4e}, largest error {done.max_error:.4e} at {place}")
+    if done.least_max_error is not None:
+        print(_least_line(done))
     print(f"smallest denominator {done.smallest.value:.4g}, values in [{done.prediction[0]:.6g}, ", end="")
     print(f"{done.prediction[1]:.6g}], {done.iterations} steps, {done.starts} starts")
     if output is not None:
@@ -527,6 +536,12 @@ def _bars() -> Any:
                 yield lambda steps: progress.advance(task, steps)
 
     return Bars()
+
+
+def _least_line(fit: Any) -> str:
+    """The largest error of a fit beside the least that its form can have."""
+    tight = "" if fit.least_tight else " (a bound that is not tight)"
+    return f"largest error {fit.least_note()} times the least possible, {fit.least_max_error:.4e}{tight}"
 
 
 def _say(text: str) -> None:

@@ -61,6 +61,10 @@ def test_import_then_fit(capsys: pytest.CaptureFixture[str], tmp_path: Path):
     code, out, _ = call(capsys, "fit", table, "--form", "polynomial", "--degree", "3")
     assert code == 0
     assert "10 coefficients, converged" in out
+    pytest.importorskip("scipy")
+    code, out, _ = call(capsys, "fit", table, "--form", "polynomial", "--degree", "1", "--lower-bound")
+    assert code == 0
+    assert "times the least possible" in out
 
 
 @pytest.mark.parametrize(

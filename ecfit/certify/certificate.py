@@ -31,6 +31,8 @@ class Certificate:
         truth_tolerance: of the integrals.
         errors, corner_errors: errors against the model, on the sample and towards r = 0 and mu = 0.
         no_truth: why there are no such errors.
+        half_errors: errors on the sample of the form evaluated in half precision: what was measured of the
+            form and of its rounding, together.
     """
 
     name: str
@@ -52,6 +54,7 @@ class Certificate:
     errors: SampledErrors | None
     corner_errors: SampledErrors | None
     no_truth: str = ""
+    half_errors: SampledErrors | None = None
 
     @property
     def refusals(self) -> list[str]:
@@ -100,6 +103,8 @@ class Certificate:
         if self.corner_errors is not None:
             out.append("  the same towards r = 0 and mu = 0, outside that sample:")
             out.append(f"    {self.corner_errors.describe()}")
+        if self.half_errors is not None:
+            out.append(f"  the same sample, all in half precision: {self.half_errors.short()}")
         rows = [("single precision", self.single), ("  near edges and corner", self.single_hard),
                 ("half precision", self.half), ("  near edges and corner", self.half_hard)]  # fmt: skip
         if self.half_chart is not None:
@@ -121,7 +126,7 @@ class Certificate:
         try:
             given = {k: v for k, v in data.items() if k != "certified"}
             for key, kind in _NESTED.items():
-                if given[key] is not None:
+                if given.get(key) is not None:
                     given[key] = kind(**_numbers(kind, given[key]))
             for key in ("divisors", "defined"):
                 given[key] = tuple(Proof(**_numbers(Proof, p)) for p in given[key])
@@ -135,6 +140,7 @@ _CHART = " (alpha = rho t, mu = rho (1 - t): nothing is 0 / 0)"
 _NESTED = {
     "values": Range, "single": Drift, "single_hard": Drift, "half": Drift, "half_hard": Drift,
     "half_chart": Drift, "errors": SampledErrors, "corner_errors": SampledErrors,
+    "half_errors": SampledErrors,
 }  # fmt: skip
 # What null stands for in a file: the infinity that JSON lacks.
 _INFINITE = {k: float("-inf") for k in ("bound", "low", "room", "excess")}

@@ -13,10 +13,10 @@ from ecfit.expressions import interval as iv
 from ecfit.expressions.bounds import Examined, Search
 from ecfit.expressions.evaluate import evaluate
 from ecfit.expressions.interval import Interval
-from ecfit.expressions.node import replaced, var
+from ecfit.expressions.node import maximum, var
 from ecfit.expressions.rounding import Analysis
 from ecfit.forms import Minimum
-from ecfit.forms.structured import LEAST_MU
+from ecfit.forms.features import untied
 
 # The bound may exceed the largest bound found at a point by this part of it.
 _LOOSE = 0.5
@@ -35,9 +35,11 @@ def single_bound(subject: Subject, least: Mapping[str, float], limit: int = 60_0
     """
     box = dict(subject.domain.box)
     if subject.charted and "rho" in box:
-        # Cosines are raised to LEAST_MU: nearer to the corner the values are those at that cosine.
-        box["rho"] = (max(LEAST_MU, box["rho"][0]), box["rho"][1])
+        # Cosines are raised: nearer to the corner the values are those at the least cosine.
+        box["rho"] = (max(subject.least_mu, box["rho"][0]), box["rho"][1])
     floors = {node: least[name] for name, _, node in subject.divisors if node is not None}
+    # Of a form that is evaluated in the chart: raised cosines only make rho larger.
+    floors[var("alpha") + maximum(var("mu"), subject.least_mu)] = 1.0
     search = Search(box, tuple(box), subject.domain.constraint if subject.charted else None)
 
     def error(lows: np.ndarray, highs: np.ndarray) -> np.ndarray:
@@ -126,15 +128,10 @@ def drift(expression: Node, points: Points, kind: str, charted: bool = False) ->
 
 
 def half_safe(subject: Subject) -> Node | None:
-    """The value in t, m and rho, with no power of alpha or mu that underflows; None without the chart.
-
-    m = mu / rho is computed, not 1 - t, which would lose its digits.
-    """
+    """The value in t, m and rho, with no power of alpha or mu that underflows; None without the chart."""
     if not (subject.charted and {"alpha", "mu"} <= set(subject.domain.ranges)):
         return None
-    rho, t = var("rho"), var("t")
-    m = 1.0 - t
-    return replaced(subject.chart, {m: var("m"), rho * t: var("alpha"), rho * m: var("mu")})
+    return untied(subject.chart)
 
 
 def _chart_inputs(points: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -43,7 +43,7 @@ def certify(
     proofs = divisors(subject)
     sound = all(p.proven for p in proofs)
     subject = subject.knowing(floors(subject, proofs)) if sound else subject
-    errors, corner, why = _truth(approximation, points, rule, tolerance)
+    errors, corner, in_half, why = _truth(approximation, points, rule, tolerance)
     least = {name: max(p.bound, 0.0) for (name, _, _), p in zip(subject.divisors, proofs, strict=True)}
     rounding = single_bound(subject, least) if sound else None
     chart = half_safe(subject)
@@ -68,6 +68,7 @@ def certify(
         errors=errors,
         corner_errors=corner,
         no_truth=why,
+        half_errors=in_half,
     )
 
 
@@ -99,20 +100,21 @@ def ceiling(approximation: Approximation) -> Ceiling | None:
 
 def _truth(
     approximation: Approximation, points: Points, rule: Sampling, tolerance: float
-) -> tuple[SampledErrors | None, SampledErrors | None, str]:
-    """Errors on the sample and towards the corner, or why there are none."""
+) -> tuple[SampledErrors | None, SampledErrors | None, SampledErrors | None, str]:
+    """Errors on the sample, towards the corner, on the sample in half precision; or why there are none."""
     near = corner_points(approximation, max(50, int(_CORNER * rule.count)), rule.seed)
     # One call for both: most of the time of a small sample is compilation.
     together = {n: np.concatenate([p, near[n]]) if near else p for n, p in points.items()}
     try:
         truth = integrate(approximation.contract, together, tolerance)
     except EcfitError as error:
-        return None, None, str(error)
+        return None, None, None, str(error)
     first = Scattered(*(a[: rule.count] for a in truth))
     second = Scattered(*(a[rule.count :] for a in truth))
     errors = measure(approximation, points, first)
     why = "" if errors is not None else "no integral of the sample converges"
-    return errors, measure(approximation, near, second) if near else None, why
+    towards = measure(approximation, near, second) if near else None
+    return errors, towards, measure(approximation, points, first, "float16"), why
 
 
 def _at_corner(approximation: Approximation, subject: Subject) -> float | None:

@@ -1,8 +1,8 @@
 """What is proved about an approximation: its expression, and the box over which bounds are taken.
 
 Forms in alpha and mu are proved in the corner chart (alpha = rho t, mu = rho (1 - t)), which covers the
-closed domain and in which nothing is 0 / 0. Such a form is evaluated with a cosine of at least `LEAST_MU`, so
-its values at lower cosines are among those bounded.
+closed domain and in which nothing is 0 / 0. Such a form is evaluated with a cosine of at least its
+`least_mu`, so its values at lower cosines are among those bounded.
 """
 
 from collections.abc import Mapping
@@ -13,7 +13,7 @@ from ecfit.approximation import Approximation
 from ecfit.approximation.composed import Composed
 from ecfit.approximation.formula import Formula
 from ecfit.approximation.structured import StructuredFormula
-from ecfit.expressions import Node, maximum, minimum, substitute, var
+from ecfit.expressions import Node, maximum, minimum, substitute
 from ecfit.expressions.bounds import smallest
 from ecfit.expressions.node import inputs, replaced, topological
 from ecfit.forms import Minimum
@@ -41,6 +41,7 @@ class Subject:
         charted: whether `value` is in the corner chart.
         parts: of a composed formula, the subjects of its parts by name; `text` is the value in their names.
         floors: what has been proved of divisors; see `ecfit.expressions.bounds.smallest`.
+        least_mu: what `plain` raises cosines to, if it does.
     """
 
     value: Node
@@ -53,6 +54,7 @@ class Subject:
     parts: Mapping[str, "Subject"] = field(default_factory=dict)
     text: Node | None = None
     floors: Mapping[Node, float] = field(default_factory=dict)
+    least_mu: float = LEAST_MU
 
     @classmethod
     def of(cls, approximation: Approximation) -> "Subject":
@@ -76,10 +78,7 @@ class Subject:
     def _structured(cls, formula: StructuredFormula, plain: Node, ranges: Box) -> "Subject":
         structure = formula.structure
         value, held, q = structure.chart(formula.values)
-        # The form's own Q in the expression that is evaluated, which may raise mu to `LEAST_MU`.
-        own = structure.denominator_expression(formula.values)
-        if own not in _divisors(plain):
-            own = substitute(own, {"mu": maximum(var("mu"), LEAST_MU)})
+        own = structure.divisor(formula.values)
         domain = ChartDomain.of(ranges)
         clipped = _clipped(ranges)
         value_, q_ = replaced(value, clipped), replaced(q, clipped)
@@ -92,7 +91,8 @@ class Subject:
             for h, rest in zip(structure.head.held, held, strict=True)
         }
         charted = bool({"t", "rho"} & inputs(value))
-        return cls(value_, value, plain, tuple(divisors), domain, charted, products)
+        least_mu = structure.least_mu
+        return cls(value_, value, plain, tuple(divisors), domain, charted, products, least_mu=least_mu)
 
     @classmethod
     def _composed(cls, formula: Composed, plain: Node, ranges: Box) -> "Subject":

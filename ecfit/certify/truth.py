@@ -8,6 +8,7 @@ import numpy as np
 from ecfit.approximation import Approximation
 from ecfit.coordinates import VIEWS
 from ecfit.errors import EcfitError
+from ecfit.expressions import value
 from ecfit.quadrature.refine import Status
 from ecfit.tables.scattered import Scattered
 
@@ -114,30 +115,42 @@ class SampledErrors:
     furnace_p99: float
     furnace_max: float
 
+    def short(self) -> str:
+        """A short line: no furnace, no numbers of points."""
+        at = ", ".join(f"{k} = {v:.4g}" for k, v in self.place.items())
+        return f"MAE {self.mae:.3e}, RMSE {self.rmse:.3e}, largest {self.max_error:.3e} at {at}"
+
     def describe(self) -> str:
         """One line."""
-        at = ", ".join(f"{k} = {v:.4g}" for k, v in self.place.items())
         notes = [f"{self.loose} of them integrated to {LOOSE:g} only"] if self.loose else []
         notes += [f"{self.skipped} more left out, as not even that was reached"] if self.skipped else []
         tail = f" ({', '.join(notes)})" if notes else ""
         return (
-            f"MAE {self.mae:.3e}, RMSE {self.rmse:.3e}, largest {self.max_error:.3e} at {at}; furnace mean "
-            f"{self.furnace_mean:.2%}, 99 % {self.furnace_p99:.2%}, largest {self.furnace_max:.2%}; "
-            f"{self.points} points{tail}"
+            f"{self.short()}; furnace mean {self.furnace_mean:.2%}, 99 % {self.furnace_p99:.2%}, "
+            f"largest {self.furnace_max:.2%}; {self.points} points{tail}"
         )
 
 
-def measure(approximation: Approximation, points: Points, truth: Scattered) -> SampledErrors | None:
+def measure(
+    approximation: Approximation, points: Points, truth: Scattered, kind: str = "float64"
+) -> SampledErrors | None:
     """Errors at points where the integral is known; None where it is known at none of them.
 
     Args:
         truth: what `integrate` gave under the approximation's contract.
+        kind: the type of all operations, inputs and constants: "float16" for what half precision gives.
     """
     usable = np.isfinite(truth.values) & (truth.errors <= LOOSE)
     if not usable.any():
         return None
     used = {n: p[usable] for n, p in points.items()}
-    predicted = np.asarray(approximation.formula.value([used[n] for n in approximation.variables]))
+    if kind == "float64":
+        predicted = np.asarray(approximation.formula.value([used[n] for n in approximation.variables]))
+    else:
+        with np.errstate(all="ignore"):
+            narrow = {n: p.astype(kind) for n, p in used.items()}
+            found = np.asarray(value(approximation.expression(), narrow), dtype=np.float64)
+        predicted = np.broadcast_to(found, truth.values[usable].shape)
     true = truth.values[usable]
     error = np.abs(predicted - true)
     error = np.where(np.isfinite(error), error, np.inf)

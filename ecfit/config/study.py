@@ -193,20 +193,23 @@ class WithinConfig(_Section):
 _FORM_KEYS = {
     "polynomial": ("degree",),
     "rational": ("degree", "numerator", "denominator", "guarded"),
-    "structured": ("head", "features", "terms", "start"),
+    "structured": ("head", "features", "terms", "start", "charted"),
     "selected": ("head", "features", "within", "budget", "rounds", "seeds", "price"),
     "module": ("module", "module_settings"),
     "composed": ("text", "parts"),
 }
 _OPTIONAL_KEYS = (
-    "degree", "numerator", "denominator", "guarded", "start", "rounds", "seeds", "price",
+    "degree", "numerator", "denominator", "guarded", "start", "charted", "rounds", "seeds", "price",
     "module_settings",
 )  # fmt: skip
 # How a fit is made: keys of which a module takes some, as it is fitted by least squares, and a composed form
 # none, as it is not fitted.
-_HOW = ("norm", "digits", "strength", "margin", "ridge", "weights", "monotone")
+_HOW = ("norm", "digits", "strength", "margin", "ridge", "weights", "monotone", "lower_bound")
 _NOT_OF = {
-    "module": (("norm", "strength", "margin", "ridge", "monotone"), "it is fitted by least squares"),
+    "module": (
+        ("norm", "strength", "margin", "ridge", "monotone", "lower_bound"),
+        "it is fitted by least squares",
+    ),
     "composed": (_HOW, "its parts are fitted, it is not"),
 }
 
@@ -237,6 +240,9 @@ class FitsConfig(_Section):
     features: Annotated[list[str] | None, Field(description="structured, selected: names of features")] = None
     terms: Annotated[TermsConfig | None, Field(description="structured: exponents of the features")] = None
     start: Annotated[list[float] | None, Field(description="structured: coefficients to begin from")] = None
+    charted: Annotated[
+        bool, Field(description="structured: evaluated in alpha / rho, mu / rho, rho: for half precision")
+    ] = False
     within: Annotated[WithinConfig | None, Field(description="selected: bounds of the terms")] = None
     budget: Annotated[Counts | None, Field(description="selected: number of coefficients, or a list")] = None
     rounds: Annotated[int, Field(ge=0, le=100_000, description="selected: exchanges tried")] = 100
@@ -273,6 +279,10 @@ class FitsConfig(_Section):
         dict[str, Literal[1, -1]] | None,
         Field(min_length=1, description="coordinate = 1 (does not fall) or -1 (does not rise)"),
     ] = None
+
+    lower_bound: Annotated[
+        bool, Field(description="also compute the least possible largest error of the form")
+    ] = False
 
     @model_validator(mode="after")
     def _keys(self) -> "FitsConfig":
@@ -316,7 +326,11 @@ class FitsConfig(_Section):
             return [{"text": self.text, "parts": self.parts}]
         if self.terms is not None:
             terms = {"numerators": self.terms.numerators, "denominator": self.terms.denominator}
-            return [{"head": self.head, "features": self.features, **terms, "start": self.start or ()}]
+            # Left out where it is the default: the keys of fits hash these.
+            rest = {"charted": True} if self.charted else {}
+            return [
+                {"head": self.head, "features": self.features, **terms, "start": self.start or (), **rest}
+            ]
         if self.within is not None:
             bounds = {
                 "numerators": [n.model_dump() for n in self.within.numerators],

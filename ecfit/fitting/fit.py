@@ -10,6 +10,7 @@ import numpy as np
 from ecfit.approximation import Approximation
 from ecfit.coordinates import Grid
 from ecfit.errors import EcfitError
+from ecfit.fitting.least import check_bounded, least_max_error
 from ecfit.fitting.module_fit import fit_module
 from ecfit.fitting.monotone import check_truth, directions
 from ecfit.fitting.problem import Problem
@@ -63,6 +64,10 @@ class Fitter:
             form = ModuleForm(form)
         check_asked(form, settings, self.table.names)
         check_truth(settings.get("monotone"), self.table)
+        if settings.pop("lower_bound", False):
+            found = self.fit(form, name, **settings)
+            least = least_max_error(found, self.table, settings.get("margin", 0.0))
+            return replace(found, least_max_error=least.error, least_tight=least.tight)
         if isinstance(form, ModuleForm):
             return fit_module(self.table, form, name=name, max_steps=self.max_steps, **settings)
         if isinstance(form, Structured):
@@ -232,6 +237,8 @@ def fit(
             ridge: weight of the size of the coefficients, for norms that are no maximum;
             monotone: {coordinate: 1 or -1} where the fit should not fall, or not rise, along the coordinate:
                 a penalty on a grid over the domain, not a proof, for norms that are no maximum.
+            lower_bound: whether to compute the least possible largest error of the form too, for polynomial,
+                rational and structured forms of one ratio (`Fit.least_max_error`; extra `minimax`).
             Equinox modules take weights and digits.
 
     Returns a `Fit`, whose `status` says whether the solver converged and whether the denominator stays
@@ -243,8 +250,10 @@ def fit(
 
 def check_asked(form: Any, settings: Mapping[str, Any], axes: Sequence[str]) -> None:
     """Raise `EcfitError` for settings that `ecfit.fit` does not know for a form on a table of such axes."""
-    check_settings(settings)
-    for key in settings:
+    rest = {key: value for key, value in settings.items() if key != "lower_bound"}
+    check_settings(rest)
+    check_bounded(form, settings.get("lower_bound", False))
+    for key in rest:
         if isinstance(form, ModuleForm) and key not in _MODULE_SETTINGS:
             raise EcfitError(
                 f"{key} is for forms with terms: a module is fitted by least squares and takes "

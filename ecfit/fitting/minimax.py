@@ -20,12 +20,20 @@ _LEAST_Q = 1e-3
 # Rows of the first program, and the worst offenders added a round: the rest hardly ever bind.
 _ACTIVE = 1500
 _ADDED = 300
+# Bounds of the scaled coefficients in the programs.
+_LARGEST = 1e4
+# A proof is tried of the level less these parts of it, in turn: a program's rounding may hide the first.
+_PARTS = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
 # Rounding of a start that lies on the limits, in parts of the largest entry of a row.
 _SLACK = 1e-9
 
 
 class Minimax(NamedTuple):
-    """Coefficients, their maximal error, a lower bound of it over all coefficients, and programs solved."""
+    """Coefficients, their maximal error, a lower bound of it over all coefficients, and programs solved.
+
+    The bound is the optimum on the rows of the last differential correction that came to its end, to a
+    millionth; if asked for, one below it that duality proves for all scaled coefficients up to 1e4.
+    """
 
     coefficients: np.ndarray
     error: float
@@ -43,6 +51,7 @@ def minimax(
     relative: bool = False,
     least: float = 0.0,
     rows: np.ndarray | None = None,
+    proved: bool = False,
 ) -> Minimax:
     """The minimax fit on the rows of a descent, within the head's limits at its guards.
 
@@ -51,6 +60,7 @@ def minimax(
         least: what the head holds stays above this at the guards.
         relative: minimise the largest |E / e - 1| instead of |e - E|.
         rows: mask of the rows that count.
+        proved: whether the bound has to be proved, with a few more programs.
 
     Raises `EcfitError` where SciPy is missing (extra `minimax`) or the head has more than one ratio.
     """
@@ -82,6 +92,40 @@ def minimax(
     def error_of(z: np.ndarray) -> np.ndarray:
         return np.abs(n[0] @ z + n[1]) / (measured[0] @ z + measured[1])
 
+    def program(active: np.ndarray, level: float, weight: np.ndarray) -> tuple[np.ndarray | None, float]:
+        """The least lambda with +-(residual Q) - level measured <= lambda weight, and a bound of it.
+
+        Returns the coefficients, nothing where the program fails, and what duality proves of lambda.
+        """
+        nonlocal programs
+        rows_n, const_n = n[0][active], n[1][active]
+        rows_m, const_m = measured[0][active], measured[1][active]
+        upper = np.concatenate(
+            [
+                np.c_[rows_n - level * rows_m, -weight],
+                np.c_[-rows_n - level * rows_m, -weight],
+                np.c_[limits[0], np.zeros(len(limits[0]))],
+            ]
+        )
+        right = np.concatenate([level * const_m - const_n, level * const_m + const_n, limits[1]])
+        size = np.abs(upper).max(axis=1)
+        upper, right = upper / size[:, None], right / size
+        solved = linprog(
+            np.r_[np.zeros(upper.shape[1] - 1), 1.0], A_ub=upper, b_ub=right,
+            bounds=[(-_LARGEST, _LARGEST)] * (upper.shape[1] - 1) + [(None, None)], method="highs",
+        )  # fmt: skip
+        programs += 1
+        if solved.x is None:
+            return None, -np.inf
+        # Any multipliers >= 0 with weight 1 on lambda bound it from below; those of the program do it best.
+        multipliers = np.maximum(-solved.ineqlin.marginals, 0.0)
+        total = -float(multipliers @ upper[:, -1])
+        if not total > 0.0:
+            return solved.x[:-1], -np.inf
+        multipliers /= total
+        lost = _LARGEST * float(np.abs(multipliers @ upper[:, :-1]).sum())
+        return solved.x[:-1], -float(multipliers @ right) - lost
+
     z = start * norms
     # A start beyond the limits bounds nothing, and may have a smaller error than is possible within them.
     q_least = float((d[0] @ z + d[1]).min())
@@ -92,37 +136,22 @@ def minimax(
     order = np.argsort(-error_of(z))
     active = np.unique(np.concatenate([order[:_ADDED], np.linspace(0, len(y) - 1, _ACTIVE).astype(int)]))
     bound, programs, converged = 0.0, 0, False
+    last: tuple[np.ndarray, float, np.ndarray] | None = None
     # The first coefficients within the limits may have a Q of any shape, a bad weight: first even weights.
     even = not within
     while programs < _PROGRAMS:
         # Differential correction on the active rows.
-        t, failed = z, False
+        t, failed, settled = z, False, False
         level = float(np.abs(error_of(z))[active].max())
         for _ in range(_PROGRAMS):
             weight = np.maximum((measured[0] @ t + measured[1])[active], 1e-6 * unit)
             if even:
                 weight = np.full(len(active), unit)
-            rows_n, const_n = n[0][active], n[1][active]
-            rows_m, const_m = measured[0][active], measured[1][active]
-            # +-(residual Q) - level measured <= lambda weight, with lambda the last variable.
-            upper = np.concatenate(
-                [
-                    np.c_[rows_n - level * rows_m, -weight],
-                    np.c_[-rows_n - level * rows_m, -weight],
-                    np.c_[limits[0], np.zeros(len(limits[0]))],
-                ]
-            )
-            right = np.concatenate([level * const_m - const_n, level * const_m + const_n, limits[1]])
-            size = np.abs(upper).max(axis=1)
-            solved = linprog(
-                np.r_[np.zeros(len(z)), 1.0], A_ub=upper / size[:, None], b_ub=right / size,
-                bounds=[(-1e4, 1e4)] * len(z) + [(None, None)], method="highs",
-            )  # fmt: skip
-            programs += 1
-            if solved.x is None:
+            found = program(active, level, weight)[0]
+            if found is None:
                 failed = True
                 break
-            t = solved.x[:-1]
+            t = found
             inner = float(error_of(t)[active].max())
             if not within:
                 within, even, level = True, True, inner
@@ -131,16 +160,20 @@ def minimax(
                 even = False
                 continue
             if not inner < level * (1.0 - _SETTLED):
-                level = min(level, inner)
+                level, settled = min(level, inner), True
                 break
             level = inner
-        # The active rows are some of all: their optimum bounds that of all from below.
         if failed:
             break
-        bound = level
+        # The active rows are some of all: their optimum bounds that of all from below. A level that still
+        # fell when the programs ran out is no optimum, and no bound.
+        if settled:
+            bound, last = level, (active, level, t)
         errors = error_of(t)
         if errors.max() < best_error:
             best, best_error = t, float(errors.max())
+        if not settled:
+            break
         worst = np.argsort(-errors)[:_ADDED]
         more = np.setdiff1d(worst[errors[worst] > level * (1.0 + 1e-6)], active)
         if not len(more):
@@ -149,6 +182,12 @@ def minimax(
         active, z = np.union1d(active, more), best
     if np.isinf(best_error):
         best_error = float(error_of(best).max())
+    if proved and last is not None:
+        active, level, t = last
+        weight = np.maximum((measured[0] @ t + measured[1])[active], 1e-6 * unit)
+        # Lambda > 0 at a level: no coefficients reach it.
+        tried = (level * (1.0 - part) for part in _PARTS)
+        bound = next((low for low in tried if program(active, low, weight)[1] > 0.0), 0.0)
     return Minimax(best / norms, best_error, bound, converged, programs)
 
 

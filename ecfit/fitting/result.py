@@ -16,6 +16,9 @@ from ecfit.tables import Table
 
 Array = jax.Array
 
+# Largest errors up to this are rounding: there is nothing to choose between them.
+EXACT = 1e-9
+
 STATUSES = {
     "converged": "the solver converged and the denominator is positive on the whole domain",
     "not-converged": "the solver stopped before it converged",
@@ -36,6 +39,9 @@ class Fit:
         iterations: Levenberg-Marquardt steps of the chosen start, all stages.
         starts: number of starts that were tried.
         table_key: key of the table it was fitted to.
+        least_max_error: lower bound of the largest error of any choice of coefficients, where it was asked
+            for; see `ecfit.fitting.least`.
+        least_tight: whether coefficients were found whose largest error comes near to that bound.
     """
 
     approximation: Approximation
@@ -46,6 +52,8 @@ class Fit:
     iterations: int
     starts: int
     table_key: str = ""
+    least_max_error: float | None = None
+    least_tight: bool = True
 
     def __call__(self, **coordinates: Any) -> Array:
         """The value at physical coordinates; see `Approximation.__call__`."""
@@ -71,6 +79,25 @@ class Fit:
     @property
     def max_error(self) -> float:
         return self.errors.max_error
+
+    @property
+    def max_over_least(self) -> float | None:
+        """The largest error in units of the least possible one; nothing where that is unknown.
+
+        1 for a fit that is exact to rounding; below 1 only where it breaks the limits that the bound keeps.
+        """
+        if self.least_max_error is None:
+            return None
+        if self.max_error <= EXACT:
+            return 1.0
+        return self.max_error / self.least_max_error if self.least_max_error > 0.0 else np.inf
+
+    def least_note(self) -> str:
+        """`max_over_least` for people; empty where it is unknown, "at most" where the bound is not tight."""
+        ratio = self.max_over_least
+        if ratio is None:
+            return ""
+        return f"{ratio:.3g}" if self.least_tight else f"at most {ratio:.3g}"
 
     @property
     def ok(self) -> bool:
@@ -108,8 +135,16 @@ class Fit:
                     "bound": self.smallest.bound,
                 },
                 "prediction": list(self.prediction),
+                **self._least(),
             },
         }
+
+    def _least(self) -> dict[str, Any]:
+        """What the JSON says of the lower bound: nothing where it is unknown."""
+        if self.least_max_error is None:
+            return {}
+        loose = {} if self.least_tight else {"least_tight": False}
+        return {"least_max_error": self.least_max_error, **loose}
 
     @classmethod
     def from_dict(cls, data: Any, where: str = "fit") -> "Fit":
@@ -131,6 +166,8 @@ class Fit:
                 int(fitted["iterations"]),
                 int(fitted["starts"]),
                 str(fitted["table"]),
+                float(fitted["least_max_error"]) if "least_max_error" in fitted else None,
+                bool(fitted.get("least_tight", True)),
             )
         except (KeyError, TypeError, ValueError, IndexError, OverflowError) as error:
             raise EcfitError(f"{where}: malformed fit ({type(error).__name__}: {error})") from None

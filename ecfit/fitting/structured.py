@@ -42,10 +42,11 @@ def domain_of(structure: Structure, table: Table) -> dict[str, tuple[float, floa
 
 def closed_domain(variables: Sequence[str], table: Table) -> dict[str, tuple[float, float]]:
     """[0, 1] for alpha and mu, the table's range for the others. Raises `EcfitError` where it has none."""
-    return {name: _CLOSED.get(name) or _range(table, name) for name in variables}
+    return {name: _CLOSED.get(name) or table_range(table, name) for name in variables}
 
 
-def _range(table: Table, name: str) -> tuple[float, float]:
+def table_range(table: Table, name: str) -> tuple[float, float]:
+    """The range of a coordinate on a table, whichever view of it an axis has."""
     for axis in table.axes:
         low, high = (viewed(name, axis.name, end) for end in (axis.low, axis.high))
         if low is not None and high is not None:

@@ -11,7 +11,7 @@ from functools import cache
 
 from ecfit.errors import EcfitError, unknown
 from ecfit.expressions import Node, parse, power, substitute, var
-from ecfit.expressions.node import inputs
+from ecfit.expressions.node import inputs, replaced
 
 # Names of the physical coordinates that features use, in the order in which forms list them.
 COORDINATES = ("mu", "alpha", "F0", "ior")
@@ -96,6 +96,15 @@ def scaled(name: str) -> Node:
     text = found.scaled or found.text
     node = parse(text, (*COORDINATES, "t", "m", "rho"))
     return substitute(node, {**chart(), "m": 1.0 - var("t")})
+
+
+def untied(node: Node) -> Node:
+    """An expression of t and rho with m, alpha and mu as inputs of their own where it forms them.
+
+    For m = mu / rho, which 1 - t is too, but without its digits where t is near 1.
+    """
+    m = 1.0 - var("t")
+    return replaced(node, {m: var("m"), var("rho") * var("t"): var("alpha"), var("rho") * m: var("mu")})
 
 
 def coordinates_of(names: Sequence[str]) -> tuple[str, ...]:

@@ -21,6 +21,7 @@ class Structured(Form):
         numerators: for each ratio, rows of exponents, one number a feature.
         denominator: the same for Q; the first term has the coefficient 1.
         start: coefficients to begin from; by default a linearised start, where the head has one.
+        charted: whether it is evaluated in the corner chart, which keeps half precision from underflowing.
 
     Raises `EcfitError` for unknown names and terms that do not fit together.
     """
@@ -35,11 +36,12 @@ class Structured(Form):
         numerators: Sequence[Any] = (),
         denominator: Any = (),
         start: Sequence[float] = (),
+        charted: bool = False,
         *,
         structure: Structure | None = None,
     ) -> None:
         if structure is None:
-            structure = Structure(head_from(head), tuple(features), tuple(numerators), denominator)
+            structure = Structure(head_from(head), tuple(features), tuple(numerators), denominator, charted)
         if len(start) not in (0, structure.count):
             raise EcfitError(f"start needs {structure.count} coefficients, got {len(start)}")
         if not np.all(np.isfinite(np.asarray(start, dtype=np.float64))):

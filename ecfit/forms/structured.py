@@ -11,12 +11,24 @@ from ecfit.errors import EcfitError, unknown
 from ecfit.expressions import Node, maximum, substitute, var
 from ecfit.expressions.evaluate import NUMPY, evaluate
 from ecfit.expressions.node import const
-from ecfit.forms.features import COORDINATES, FEATURES, coordinates_of, feature, monomial, plain, scaled
+from ecfit.forms.features import (
+    COORDINATES,
+    FEATURES,
+    coordinates_of,
+    feature,
+    monomial,
+    plain,
+    scaled,
+    untied,
+)
 from ecfit.forms.heads import HEADS, Head, head, rho_power
 
 # At alpha = mu = 0 the forms are 0 / 0; a cosine of at least this defines them there (E = 1 at alpha = 0).
 # Half of its third power is far above the least float32.
 LEAST_MU = 1e-6
+# The same for forms made for half precision: its least normal number. What is below has fewer digits, and
+# hardware may flush it to 0.
+LEAST_HALF = 2.0**-14
 
 # Features that are 0 / 0 there themselves.
 _AT_CORNER = frozenset({"G1", "T"})
@@ -50,12 +62,15 @@ class Structure:
         features: names of the features whose powers the terms are.
         numerators: for each ratio of the head, exponents, shape (terms, features), multiples of 1/4.
         denominator: exponents of the shared Q, shape (terms, features); the first has the coefficient 1.
+        charted: whether the value is evaluated in t = alpha / rho, m = mu / rho and rho = alpha + mu, where
+            no power of alpha and mu underflows: the same function, also good in half precision.
     """
 
     head: Head
     features: tuple[str, ...]
     numerators: tuple[np.ndarray, ...]
     denominator: np.ndarray
+    charted: bool = False
 
     def __post_init__(self) -> None:
         for name in self.features:
@@ -73,6 +88,15 @@ class Structure:
         object.__setattr__(self, "numerators", made)
         object.__setattr__(self, "denominator", denominator)
         self.head.orders(self.ratio_orders)
+        if not isinstance(self.charted, bool):
+            raise EcfitError(f"charted must be true or false, got {self.charted!r}")
+        if self.charted and not {"alpha", "mu"} <= set(self.variables):
+            raise EcfitError("charted is for forms of alpha and mu: leave it out, or use features of both")
+
+    @property
+    def least_mu(self) -> float:
+        """Cosines are raised to this where the form is evaluated, if at all."""
+        return LEAST_HALF if self.charted else LEAST_MU
 
     @property
     def groups(self) -> tuple[np.ndarray, ...]:
@@ -145,11 +169,25 @@ class Structure:
 
     def expression(self, coefficients: np.ndarray) -> Node:
         """The value in the coordinates, defined on the whole closed domain."""
+        if self.charted:
+            return self._evaluated(self.chart(coefficients)[0])
         *numerators, q = self.polynomials(coefficients)
-        value = self.head.expression([p / q for p in numerators])
+        return self._evaluated(self.head.expression([p / q for p in numerators]))
+
+    def divisor(self, coefficients: np.ndarray) -> Node:
+        """Q as `expression` divides by it; divided by its lowest power of rho where that is `charted`."""
+        return self._evaluated(self.polynomials(coefficients, self.charted)[-1])
+
+    def _evaluated(self, node: Node) -> Node:
+        """With cosines raised and, if `charted`, with t, m and rho written in the coordinates."""
+        mu = maximum(var("mu"), self.least_mu)
+        if self.charted:
+            alpha = var("alpha")
+            rho = alpha + mu
+            return substitute(untied(node), {"t": alpha / rho, "m": mu / rho, "rho": rho, "mu": mu})
         if self.corner or not _AT_CORNER.isdisjoint((*self.features, *self.head.features)):
-            value = substitute(value, {"mu": maximum(var("mu"), LEAST_MU)})
-        return value
+            return substitute(node, {"mu": mu})
+        return node
 
     def denominator_expression(self, coefficients: np.ndarray) -> Node:
         """Q in the coordinates."""
@@ -211,6 +249,7 @@ class Structure:
             "features": list(self.features),
             "numerators": [n.tolist() for n in self.numerators],
             "denominator": self.denominator.tolist(),
+            **({"charted": True} if self.charted else {}),
         }
 
     @classmethod
@@ -218,7 +257,8 @@ class Structure:
         """The inverse of `to_dict`. Raises `EcfitError`, KeyError or TypeError for anything else."""
         features = tuple(str(f) for f in data["features"])
         numerators = tuple(_exponents(n, features, "numerator") for n in data["numerators"])
-        return cls(head_from(data["head"]), features, numerators, np.asarray(data["denominator"]))
+        denominator, charted = np.asarray(data["denominator"]), data.get("charted", False)
+        return cls(head_from(data["head"]), features, numerators, denominator, charted)
 
 
 def head_to_dict(found: Head) -> Any:

@@ -62,6 +62,11 @@ class _Section:
     svg: Sequence[str]
     coefficients: Sequence[Comparison]
 
+    @property
+    def bounded(self) -> bool:
+        """Whether a lower bound of some fit's largest error is known."""
+        return any(f.least_max_error is not None for f in self.fits)
+
 
 def best_fit(fits: Sequence[Fit]) -> Fit | None:
     """The usable fit of the smallest RMSE; where none is usable, the smallest RMSE of all."""

@@ -42,6 +42,7 @@ SUMMARY_COLUMNS = (
     "prediction_low",
     "prediction_high",
     "iterations",
+    "max_over_least",
 )
 
 # `rms` is in the search's own weights, `cost` in multiply-adds; `front`: none is better at less cost.
@@ -238,6 +239,11 @@ def _number(value: float) -> str:
     return f"{value:.6e}"
 
 
+def _ratio(value: float | None) -> str:
+    """Empty where nothing is known: an infinite ratio is to a bound of 0."""
+    return "" if value is None or value == float("inf") else _number(value)
+
+
 def _summary_rows(study: Study) -> Iterator[tuple[Any, ...]]:
     for name, fits in study.fits.items():
         for fit in fits:
@@ -255,6 +261,7 @@ def _summary_rows(study: Study) -> Iterator[tuple[Any, ...]]:
                 _number(fit.prediction[0]),
                 _number(fit.prediction[1]),
                 fit.iterations,
+                _ratio(fit.max_over_least),
             )
     for name, rows in study.published.items():
         for approximation, errors in rows:
@@ -270,6 +277,7 @@ def _summary_rows(study: Study) -> Iterator[tuple[Any, ...]]:
                 _place(errors),
                 _number(errors.furnace_mean),
                 _number(errors.furnace_max),
+                "",
                 "",
                 "",
                 "",

@@ -12,6 +12,7 @@ import ecfit
 from ecfit.approximation import Approximation, Written
 from ecfit.approximation.compose import compose
 from ecfit.approximation.lookup import Lookup
+from ecfit.approximation.structured import StructuredFormula
 from ecfit.certify import Certificate, Sampling, certify
 from ecfit.cli import main
 from ecfit.contract import Contract
@@ -70,6 +71,32 @@ def test_narrow_arithmetic(granted: Certificate):
     assert granted.half_chart is not None
     assert granted.half_chart.not_finite == 0
     assert granted.half_chart.largest < 5e-3
+
+
+def test_errors_in_half_precision(granted: Certificate, corner: Make):
+    """A form made for it keeps its bounds, its proofs and, where the plain form underflows, its digits."""
+    plain = corner()
+    formula = plain.formula
+    assert isinstance(formula, StructuredFormula)
+    charted = replace(formula, structure=replace(formula.structure, charted=True))
+    made = certify(replace(plain, formula=charted), samples=300, tolerance=1e-6)
+    assert made.certified
+    assert [p.claim for p in made.divisors] == ["Q' > 0"]
+    assert made.values == granted.values
+    assert made.half_hard.not_finite == 0
+    assert made.half_hard.largest < 5e-3
+    assert made.single_bound is not None
+    assert max(made.single.largest, made.single_hard.largest) < made.single_bound < 1e-5
+    assert made.errors is not None
+    assert made.half_errors is not None
+    assert made.errors.max_error < made.half_errors.max_error < 5e-3
+    assert any("all in half precision" in line for line in made.describe())
+
+
+def test_a_certificate_from_before_errors_in_half_precision(granted: Certificate):
+    old = granted.to_dict()
+    del old["half_errors"]
+    assert Certificate.from_dict(old) == replace(granted, half_errors=None)
 
 
 def test_it_says_what_is_proved_and_what_is_a_sample(granted: Certificate):

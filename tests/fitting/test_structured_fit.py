@@ -166,7 +166,7 @@ def test_bad_tables_and_settings_are_told(exact, make_table):
         (curve, {}, "function of mu, alpha, the table of r: choose features of the table's coordinates"),
         (cube, {}, "function of mu, alpha, the table of r, mu, F0"),
         (few, {}, "10 coefficients, but the table only 9 entries"),
-        (exact, {"norm": "l2"}, "unknown norm 'l2': expected one of furnace-max"),
+        (exact, {"norm": "l2"}, "unknown norm 'l2': expected one of furnace-l4, furnace-max"),
         (exact, {"nrom": "l1"}, "unknown setting of fit 'nrom'.*did you mean 'norm'"),
         (exact, {"digits": 2}, "digits must be an integer in 3..17, got 2"),
         (exact, {"digits": 4.0}, "digits must be an integer"),

@@ -85,12 +85,14 @@ def test_every_named_form_can_be_made():
         "structured": {**features, **terms},
         "selected": {**features, **within},
         "module": {"module": "learned-rational", "settings": {"degree": 1}},
+        "composed": {"text": "E1*S", "parts": {"E1": "conductor-10", "S": "glossy-15"}},
     }
     assert settings.keys() == forms().keys()
     names = {name: form(name, **given).name for name, given in settings.items()}
     assert names == {
         "polynomial": "polynomial", "rational": "rational",
         "structured": "corner", "selected": "corner-selected", "module": "learned-rational",
+        "composed": "composed",
     }  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 import itertools
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -178,3 +179,56 @@ def test_terms_that_do_not_fit_are_told(change: dict, words: str):
     with pytest.raises(EcfitError, match=words) as caught:
         Structure(head("corner"), **{**good, **change})
     assert "\n" not in str(caught.value)
+
+
+def test_a_charted_form_is_the_same_function():
+    plain = conductor()
+    made = replace(plain, charted=True)
+    expected = value(plain.expression(COEFFICIENTS), POINTS)
+    np.testing.assert_allclose(value(made.expression(COEFFICIENTS), POINTS), expected, rtol=1e-13)
+    corner = {"alpha": np.array([0.0, 0.0, 1e-30]), "mu": np.array([0.0, 1e-6, 0.0])}
+    np.testing.assert_allclose(value(made.expression(COEFFICIENTS), corner), 1.0, rtol=1e-12)
+    rho = POINTS["alpha"] + POINTS["mu"]
+    plain_q = value(plain.divisor(COEFFICIENTS), POINTS)
+    np.testing.assert_allclose(value(made.divisor(COEFFICIENTS), POINTS) * rho**3, plain_q, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", sorted(set(HEADS) - {"average", "times-x"}))
+def test_every_head_may_be_charted(name: str):
+    plain = of_head(name)
+    coefficients = np.random.default_rng(3).uniform(0.0, 1.0, plain.count)
+    points = {**POINTS, "ior": 1.0 + POINTS["F0"]}
+    made = replace(plain, charted=True)
+    expected = value(plain.expression(coefficients), points)
+    np.testing.assert_allclose(value(made.expression(coefficients), points), expected, rtol=1e-11, atol=1e-12)
+
+
+def test_a_charted_form_does_not_underflow_in_half_precision():
+    plain = conductor()
+    rng = np.random.default_rng(4)
+    narrow = {n: (10.0 ** rng.uniform(-3.5, 0.0, 500)).astype(np.float16) for n in ("alpha", "mu")}
+    wide = {n: x.astype(np.float64) for n, x in narrow.items()}
+    expected = value(plain.expression(COEFFICIENTS), wide)
+    errors = [
+        np.abs(np.asarray(value(replace(plain, charted=c).expression(COEFFICIENTS), narrow)) - expected)
+        for c in (False, True)
+    ]
+    assert not np.all(np.isfinite(errors[0]))
+    assert np.nanmax(errors[0]) > 0.02
+    assert errors[1].max() < 2e-3
+
+
+def test_charted_survives_json_and_plain_forms_do_not_mention_it():
+    made = replace(conductor(), charted=True)
+    again = Structure.from_dict(json.loads(json.dumps(made.to_dict())))
+    assert again.charted
+    assert again.to_dict() == made.to_dict()
+    assert "charted" not in conductor().to_dict()
+    assert not Structure.from_dict(conductor().to_dict()).charted
+
+
+def test_charted_needs_the_corners_coordinates():
+    with pytest.raises(EcfitError, match="charted is for forms of alpha and mu"):
+        Structure(head("ratio"), ("r",), (np.ones((1, 1)),), np.ones((1, 1)), charted=True)
+    with pytest.raises(EcfitError, match="charted must be true or false"):
+        replace(conductor(), charted="yes")

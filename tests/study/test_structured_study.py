@@ -78,6 +78,28 @@ def test_running_again_computes_nothing(finished):
     assert [f.to_dict() for f in loaded.fits["e"]] == [f.to_dict() for f in study.fits["e"]]
 
 
+def test_the_least_error_is_in_the_summary_and_the_report_where_it_was_asked_for(finished, tmp_path: Path):
+    pytest.importorskip("scipy")
+    shutil.copytree(finished[0], tmp_path / "copy")
+    asked = 'charted = true\nlower_bound = true\nnorm = "l4"'
+    study = run(tmp_path / "copy", CONFIG.replace('norm = "least-squares"', asked, 1))
+    given, chosen = study.fits["e"]
+    assert given.least_max_error is not None
+    assert 0.0 <= given.least_max_error <= given.max_error
+    assert chosen.least_max_error is None
+    assert '"charted": true' in (study.folder / "fits/given.json").read_text()
+    rows = list(csv.DictReader((study.folder / "summary.csv").read_text().splitlines()))
+    assert list(rows[0])[-1] == "max_over_least"
+    assert float(rows[0]["max_over_least"] or "inf") >= 1.0
+    assert rows[1]["max_over_least"] == ""
+    for page in ("report.md", "report.html"):
+        assert "over least" in (study.folder / page).read_text()
+        assert "over least" not in (finished[0] / "results/small" / page).read_text()
+    lines = (study.folder / "report.md").read_text().splitlines()
+    first = next(i for i, line in enumerate(lines) if line.startswith("| form"))
+    assert len({line.count("|") for line in lines[first : first + 4]}) == 1
+
+
 @pytest.mark.usefixtures("no_report")
 @pytest.mark.parametrize(
     ("old", "new", "which"),
@@ -100,6 +122,7 @@ def test_another_setting_computes_that_fit_only(finished, tmp_path: Path, old: s
         ("[0.0, 1.0]]]", "[0.0]]]", "numerator: exponents must be rows of 2 numbers"),
         ("{ mu = 2.0 }", "{ nu = 2.0 }", "highest names 'nu'"),
         ("budget = 3", "budget = 30", "the budget is 30, but there are only 4"),
+        ('["alpha", "mu"]', '["alpha", "mu"]\ncharted = 1', "charted"),
         (
             '"least-squares"',
             '"minimax"\nridge = 0.1',
