@@ -1,5 +1,6 @@
 """Shipping: named fits are certified and written; what is there never changes."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -83,4 +84,4 @@ def test_a_study_without_names_has_nothing_to_ship(study, tmp_path: Path):
     plan, fits = study
     nameless = tuple(f.__class__(f.table, f.form, f.label, f.key, f.settings) for f in plan.fits)
     with pytest.raises(ecfit.EcfitError, match="names no fit"):
-        ship(type(plan)(plan.config, plan.requests, nameless, plan.compare, plan.lookups), fits, tmp_path)
+        ship(replace(plan, fits=nameless), fits, tmp_path)
