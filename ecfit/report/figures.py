@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from ecfit.approximation import Approximation
 from ecfit.fitting import Fit
@@ -312,6 +313,7 @@ def error_against_cost(name: str, found: Sequence[tuple[str, Sequence[Choice]]])
                 [c.cost.total for c in best], [c.rms for c in best], where="post", color=colour, linewidth=1.2
             )
         by_count.set(xlabel="coefficients", ylabel="RMS error (weights of the search)", yscale="log")
+        by_count.xaxis.set_major_locator(MaxNLocator(integer=True))
         by_cost.set(xlabel="operations, in multiply-adds (line: front)", yscale="log")
         by_count.legend()
         figure.suptitle(f"{name}: what the searches found")
