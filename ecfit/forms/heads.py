@@ -195,6 +195,9 @@ HEADS: dict[str, Head] = {
              limits="E = 1 at alpha = 0, E = G1 at F0 = 0"),
         Head("schlick-b", ({"alpha": 2.0, "u": 1.0},), "u**5 - X", (), {}, "1 - u**5 + X", {"u": 1.0},
              "u**4 - X", limits="B = (1 - mu)^5 at alpha = 0, 0 at mu = 1"),
+        # Where B touches 1, at alpha = mu = 0, a form of separable masking is not proved to stay below it.
+        Head("schlick-b-capped", ({"alpha": 2.0, "u": 1.0},), "min(u**5 - X, 1)", (), {}, "", {"u": 1.0},
+             "u**4 - X", limits="B = (1 - mu)^5 at alpha = 0, 0 at mu = 1, at most 1"),
         Head("schlick-f82", ({"alpha": 2.0},), "mu*u**6 + X", surplus="mu*u**6 + X",
              limits="mu (1 - mu)^6 at alpha = 0"),
         Head("two-point", ({"alpha": 1.0}, {"alpha": 1.0}, {}), "a*F1 + (1 - a)*F2",
