@@ -68,7 +68,7 @@ def table() -> str:
                 f"`{name}`", str(approximation.count), domain or "all", f"{errors.mae:.2e}",
                 f"{errors.rmse:.2e}",
                 f"{errors.max_error:.2e}",
-                f"{errors.furnace_p99:.2%}" if errors.furnace_p99 < 1.0 else "-",
+                f"{errors.furnace_p99:.2%}" if errors.furnace_p99 < 0.1 else "-",
                 f"[{values.low:.3g}, {values.high:.3g}]",
                 f"{near.mae:.1e}, {near.max_error:.1e}" if near is not None else "-",
                 f"{max(certificate.single.largest, certificate.single_hard.largest):.1e}",

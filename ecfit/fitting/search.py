@@ -274,12 +274,6 @@ class Search:
         heirs = np.flatnonzero(parts > _MAY_LEAD * self._means[found.leading])
         return found.led_by(int(rng.choice(heirs))) if len(heirs) and rng.random() < 0.5 else found
 
-    def merge(self, found: Iterable[Found]) -> None:
-        """Take over forms of the same columns where they are better."""
-        for f in found:
-            if self._is_best(f):
-                self.best[f.count] = f
-
 
 def _objective(found: Found) -> float:
     return found.objective
