@@ -11,7 +11,6 @@ from ecfit.approximation.formula import Array, Box, Formula, broadcast, power_pr
 from ecfit.approximation.written import interval_minimum
 from ecfit.errors import EcfitError
 from ecfit.expressions import Node, value
-from ecfit.expressions.bounds import smallest
 from ecfit.forms import Minimum, Structure
 from ecfit.forms.corner import ChartDomain
 
@@ -64,7 +63,7 @@ class StructuredFormula(Formula):
             return interval_minimum(self.structure.denominator_expression(self.values), tuple(ranges), domain)
         # Q is 0 at alpha = mu = 0 by construction: what matters is Q' = Q / rho^order in the chart.
         chart = ChartDomain.of(ranges)
-        found = smallest(self.structure.chart(self.values)[-1], chart.box, constraint=chart.constraint)
+        found = chart.smallest(self.structure.chart(self.values)[-1])
         place = chart.place(dict(zip(chart.box, found.place, strict=True)))
         return found._replace(place=tuple(place[n] for n in ranges))
 

@@ -18,8 +18,10 @@ SLACK = 2.0**-24
 _ROOT_SLACK = 1e-12
 # Boxes spent on a whole expression before its factors are tried.
 _FIRST_TRY = 40_000
+# And on each of the factors: here it must end.
+_FACTOR_BOXES = 400_000
 # And on the ends of the range: more would only make them tighter.
-_RANGE_BOXES = 100_000
+_RANGE_BOXES = 50_000
 
 
 @dataclass(frozen=True)
@@ -258,7 +260,7 @@ def nonnegative(node: Node, subject: Subject) -> str:
 
     def positive(base: Node) -> bool:
         if base not in known:
-            known[base] = subject.smallest(base, enough=0.0, limit=_FIRST_TRY).bound >= 0.0
+            known[base] = subject.smallest(base, enough=0.0, limit=_FACTOR_BOXES).bound >= 0.0
         return known[base]
 
     parts = factors(node, positive)

@@ -164,15 +164,12 @@ class Subject:
         self, node: Node, enough: float | None = None, tolerance: float = 1e-3, limit: int = 200_000
     ) -> Minimum:
         """The minimum of an expression in the variables of `domain.box` over the closed domain."""
-        constraint = self.domain.constraint if self.charted else None
+        if self.charted:
+            return self.domain.smallest(
+                node, enough=enough, tolerance=tolerance, limit=limit, floors=self.floors
+            )
         return smallest(
-            node,
-            self.domain.box,
-            enough=enough,
-            tolerance=tolerance,
-            limit=limit,
-            constraint=constraint,
-            floors=self.floors,
+            node, self.domain.box, enough=enough, tolerance=tolerance, limit=limit, floors=self.floors
         )
 
     def place(self, point: tuple[float, ...]) -> dict[str, float]:

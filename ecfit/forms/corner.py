@@ -9,9 +9,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ecfit.expressions import Node
+from ecfit.expressions.bounds import smallest
+from ecfit.forms.bernstein import Minimum
+from ecfit.forms.rooted import Piece, pieces
+
 Range = tuple[float, float]
-# Relative rounding of two operations, generously.
-_ROUNDING = 1e-15
+Boxes = Mapping[str, tuple[np.ndarray, np.ndarray]]
+Outside = Callable[[Boxes], np.ndarray]
+# Rounding of a few operations on numbers up to 1, generously.
+_ROUNDING = 2e-15
 
 
 @dataclass(frozen=True)
@@ -45,11 +52,11 @@ class ChartDomain:
         return cls(dict(ranges), box)
 
     @property
-    def constraint(self) -> Callable[[Mapping[str, tuple[np.ndarray, np.ndarray]]], np.ndarray] | None:
+    def constraint(self) -> Outside | None:
         """`outside` where the box holds more than the domain, else None."""
         return self.outside if {"alpha", "mu"} <= set(self.ranges) else None
 
-    def outside(self, boxes: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
+    def outside(self, boxes: Boxes) -> np.ndarray:
         """Which boxes have no point with alpha and mu in their ranges."""
         (t_low, t_high), (rho_low, rho_high) = boxes["t"], boxes["rho"]
         out = np.zeros(len(t_low), dtype=bool)
@@ -59,8 +66,52 @@ class ChartDomain:
         ):
             if name in self.ranges:
                 least, most = self.ranges[name]
-                out |= (low * (1.0 - _ROUNDING) > most) | (high * (1.0 + _ROUNDING) < least)
+                out |= (low - _ROUNDING * (1.0 + low) > most) | (high + _ROUNDING * (1.0 + high) < least)
         return out
+
+    def smallest(
+        self,
+        node: Node,
+        *,
+        tolerance: float = 1e-3,
+        enough: float | None = None,
+        floors: Mapping[Node, float] | None = None,
+        limit: int = 200_000,
+    ) -> Minimum:
+        """The minimum of an expression in the variables of `box` over the closed domain.
+
+        Found in the pieces of `ecfit.forms.rooted`, with at most `limit` boxes each; otherwise as
+        `ecfit.expressions.bounds.smallest`. The place is in the order of `box`.
+        """
+        found = []
+        for piece in pieces(self.box):
+            known = {piece.rooted(n): floor for n, floor in (floors or {}).items()}
+            low = smallest(
+                piece.rooted(node),
+                piece.box,
+                tolerance=tolerance,
+                enough=enough,
+                constraint=self._outside_of(piece),
+                floors=known,
+                limit=limit,
+            )
+            at = piece.chart({n: np.float64(x) for n, x in zip(piece.box, low.place, strict=True)})
+            found.append(low._replace(place=tuple(float(at[n]) for n in self.box)))
+        least = min(found, key=lambda low: low.value)
+        return least._replace(bound=min(low.bound for low in found))
+
+    def _outside_of(self, piece: Piece) -> Outside | None:
+        """`outside` for boxes given in a piece's variables."""
+        if self.constraint is None:
+            return None
+
+        def outside(boxes: Boxes) -> np.ndarray:
+            lows = piece.chart({n: low for n, (low, _) in boxes.items()})
+            highs = piece.chart({n: high for n, (_, high) in boxes.items()})
+            ends = {n: (np.minimum(lows[n], highs[n]), np.maximum(lows[n], highs[n])) for n in lows}
+            return self.outside(ends)
+
+        return outside
 
     def place(self, at: Mapping[str, float]) -> dict[str, float]:
         """The coordinates of a point of the chart, within their ranges."""

@@ -1,0 +1,116 @@
+"""Expressions of the corner chart in roots of its coordinates, where half powers have bounded slopes.
+
+With alpha or mu to a half power a form's slope is infinite at t = 0, m = 0 or rho = 0, and interval bounds
+by first derivatives fail there. In x = sqrt(t) and y = sqrt(rho) such a form is a polynomial again. t and
+m = 1 - t cannot both be squares, so the chart is covered by two pieces: t <= 1/2 with t = x^2, and m <= 1/2
+with m = x^2. F0, of which features take fourth roots, is x^4 in both.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ecfit.expressions import Node, sqrt, var
+from ecfit.expressions.node import rebuild, topological
+
+Range = tuple[float, float]
+
+_T, _M = var("t"), 1.0 - var("t")
+# Of the roots' names: no coordinate has it.
+_PREFIX = "root_"
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A part of the chart's box.
+
+    Attributes:
+        box: closed ranges of the piece's variables, in the order of the chart's.
+        mirrored: whether t's variable is sqrt(m) = sqrt(1 - t) instead of sqrt(t).
+    """
+
+    box: Mapping[str, Range]
+    mirrored: bool
+
+    def rooted(self, node: Node) -> Node:
+        """An expression of t, rho and other coordinates in the piece's variables."""
+        put: dict[Node, Node] = {}
+        for name in self.box:
+            root = var(name)
+            if name == _PREFIX + "t":
+                square = root * root
+                put |= {_T: 1.0 - square, _M: square} if self.mirrored else {_T: square, _M: 1.0 - square}
+            elif name == _PREFIX + "rho":
+                put[var("rho")] = root * root
+            elif name == _PREFIX + "F0":
+                put[var("F0")] = (root * root) * (root * root)
+        return _with_roots(node, put)
+
+    def chart(self, at: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """The chart's coordinates of points given in the piece's variables; rounded to nearest."""
+        out = {}
+        for name, x in at.items():
+            if name == _PREFIX + "t":
+                out["t"] = 1.0 - x * x if self.mirrored else x * x
+            elif name == _PREFIX + "rho":
+                out["rho"] = x * x
+            elif name == _PREFIX + "F0":
+                out["F0"] = (x * x) * (x * x)
+            else:
+                out[name] = x
+        return out
+
+
+def pieces(box: Mapping[str, Range]) -> list[Piece]:
+    """The pieces that cover a box of the chart."""
+    if "t" not in box:
+        return [Piece(_roots(box), False)]
+    low, high = box["t"]
+    out = []
+    if low <= 0.5:
+        out.append(Piece(_roots({**box, "t": (low, min(high, 0.5))}), False))
+    if high > 0.5:
+        out.append(Piece(_roots({**box, "t": (max(1.0 - high, 0.0), min(1.0 - low, 0.5))}), True))
+    return out
+
+
+def _roots(box: Mapping[str, Range]) -> dict[str, Range]:
+    """Ranges of the roots, rounded outward; other coordinates as they are."""
+    orders = {"t": 2, "rho": 2, "F0": 4}
+    return {
+        _PREFIX + n if n in orders else n: (_root(r[0], orders[n], -1), _root(r[1], orders[n], 1))
+        if n in orders
+        else r
+        for n, r in box.items()
+    }
+
+
+def _root(x: float, order: int, towards: int) -> float:
+    """x^(1/order), at most (`towards` -1) or at least (1) the true one."""
+    if x <= 0.0 or x == 1.0:
+        return max(x, 0.0)
+    # Roots of powers of two are often off by one unit; two are safe.
+    root = float(np.sqrt(x) if order == 2 else np.sqrt(np.sqrt(x)))
+    for _ in range(2):
+        root = float(np.nextafter(root, towards * np.inf))
+    return root
+
+
+def _with_roots(node: Node, put: Mapping[Node, Node]) -> Node:
+    """The expression with subexpressions replaced, and sqrt(x x) written x where x is one of the roots."""
+    squares = {}
+    for n in put.values():
+        for part in topological([n]):
+            if part.op == "mul" and part.args[0] is part.args[1]:
+                squares[part] = part.args[0]
+    done: dict[Node, Node] = {}
+    for n in topological([node]):
+        if n in put:
+            done[n] = put[n]
+        elif n.op == "sqrt":
+            inner = done[n.args[0]]
+            done[n] = squares[inner] if inner in squares else sqrt(inner)
+        else:
+            done[n] = rebuild(n.op, [done[a] for a in n.args], n.value, n.name)
+    return done[node]
