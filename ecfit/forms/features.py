@@ -44,6 +44,17 @@ _G = "sqrt({mu}*{mu} + {alpha}*{alpha}*(1 - mu*mu))"
 # The turn of E at the critical cosine has about the width alpha; 1e-4 keeps w smooth at alpha = 0.
 _W = f"sqrt((mu - {_CRITICAL})*(mu - {_CRITICAL}) + alpha*alpha + 1e-4)"
 
+# The Fresnel factor from inside (s- and p-polarised means, Walter et al. 2007, eq. 22 with the indices swapped) with
+# its kink at mu_c as soft as roughness makes it: mu - mu_c, where positive, is replaced by
+# (d + sqrt(d^2 + alpha^2)) / 2, d = mu - mu_c, written without cancellation. 1e-7, below any alpha of use
+# squared, keeps the root smooth and float32 within reach.
+_IOR = "((1 + sqrt(F0))/(1 - sqrt(F0)))"
+_D = f"(mu - {_CRITICAL})"
+_SOFT = f"(max({_D}, 0) + 0.5*(alpha*alpha + 1e-7)/(abs({_D}) + sqrt({_D}*{_D} + alpha*alpha + 1e-7)))"
+_REFRACTED = f"({_IOR}*sqrt({_SOFT}*(mu + {_CRITICAL})))"
+_RS = f"(({_IOR}*mu - {_REFRACTED})/({_IOR}*mu + {_REFRACTED}))"
+_RP = f"((mu - {_IOR}*{_REFRACTED})/(mu + {_IOR}*{_REFRACTED}))"
+
 FEATURES: dict[str, Feature] = {
     f.name: f
     for f in (
@@ -64,6 +75,8 @@ FEATURES: dict[str, Feature] = {
         Feature("x", "ior - 1", 0.0, "", "ior - 1"),
         Feature("mu_c", _CRITICAL, 0.0, "", "critical cosine of a dielectric seen from inside"),
         Feature("w", _W, 0.0, "", "sqrt((mu - mu_c)^2 + alpha^2 + 1e-4): a soft turn at mu_c"),
+        Feature("F_in", f"0.5*({_RS}*{_RS} + {_RP}*{_RP})", 0.0, "",
+                "Fresnel factor of a dielectric seen from inside, its turn at mu_c as soft as alpha"),
         Feature("mu_t", "sqrt(1 - ((1 - sqrt(F0))/(1 + sqrt(F0)))**2*(1 - mu*mu))", 0.0, "",
                 "cosine of the refracted ray, entering"),
     )

@@ -204,6 +204,8 @@ HEADS: dict[str, Head] = {
              (("F1", "fresnel(saturate(mu + X1))"), ("F2", "fresnel(saturate(mu + X2))"),
               ("a", "saturate(X3)")),
              {}, "a*(1 - F1) + (1 - a)*(1 - F2)", limits="E = F(mu) at alpha = 0, 0 at F0 = 0, 1 at F0 = 1"),
+        Head("inside", ({"alpha": 1.0},), "min(max(F_in + X, 0), 1)",
+             limits="E = F(mu) from inside at alpha = 0, in [0, 1]"),
         Head("average", ({"r": 4.0},), "1 - X", (), {}, "X", limits="E_avg = 1 at alpha = 0"),
         Head("times-x", ({"x": 1.0},), "X", limits="0 at ior = 1"),
     )
