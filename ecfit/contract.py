@@ -12,6 +12,7 @@ QUANTITIES = {
     "schlick-b": "B of E = F0 A + F90 B: integral over the lobe with (1 - wo.h)^exponent for F",
     "f82-moment": "integral over the lobe with x (1 - x)^6, x = wo.h, for F: the F82 model's third term",
     "average-fresnel": "F_avg: 2 x integral of F(x) x over x in [0, 1]",
+    "zonal-moment": "E_l: 2 pi x integral of Y_l0(mu) (1 - E(mu)) mu over mu in [0, 1], l = degree",
 }
 LOBES = {
     "all": "reflection and transmission",

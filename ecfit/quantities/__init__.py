@@ -10,3 +10,4 @@ from ecfit.quantities.moments import SchlickA as SchlickA
 from ecfit.quantities.moments import SchlickB as SchlickB
 from ecfit.quantities.points import parameter_map as parameter_map
 from ecfit.quantities.registry import quantity as quantity
+from ecfit.quantities.zonal import ZonalMoment as ZonalMoment

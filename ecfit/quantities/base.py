@@ -82,15 +82,22 @@ class DirectionalAlbedo(Quantity):
         return self.directional(model, mu, level)
 
 
-class AverageAlbedo(Quantity):
-    """E_avg = 2 x integral of E(mu) mu dmu over [0, 1] (Sforza & Pellacini 2022, eq. 5)."""
+class CosineIntegral(Quantity):
+    """An integral over mu in [0, 1] of a weight times something linear in the directional albedo E(mu)."""
+
+    @abc.abstractmethod
+    def weight(self, mu: Array) -> Array:
+        """What multiplies `of(E)`, shape of mu."""
+
+    @abc.abstractmethod
+    def of(self, albedo: Array) -> Array:
+        """E or 1 - E."""
 
     def confirm(self, model: BSDF) -> bool:
-        # E(mu) turns within mu ~ alpha, which may fall between the nodes of the average.
+        # E(mu) turns within mu ~ alpha, which may fall between the nodes of the integral.
         return True
 
-    @staticmethod
-    def _count(level: int) -> int:
+    def _count(self, level: int) -> int:
         return 8 + 6 * level
 
     def nodes(self, model: BSDF) -> tuple[int, ...]:
@@ -107,7 +114,17 @@ class AverageAlbedo(Quantity):
         unit, slope = (t * t, 2.0 * t) if kinks.size == 0 else (t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t))
         cosine = (low + width * unit).ravel()
         albedo = jax.vmap(lambda m: self.directional(model, m, level))(cosine)
-        weight = 2.0 * cosine * (width * slope).ravel()
-        average = integrate_line(weight * albedo.value, rule)
+        weight = self.weight(cosine) * (width * slope).ravel()
+        integral = integrate_line(weight * self.of(albedo.value), rule)
         weights = jnp.tile(jnp.asarray(rule.weights), ends.size - 1)
-        return Estimate(average.value, average.error + weights @ (weight * albedo.error))
+        return Estimate(integral.value, integral.error + weights @ (jnp.abs(weight) * albedo.error))
+
+
+class AverageAlbedo(CosineIntegral):
+    """E_avg = 2 x integral of E(mu) mu dmu over [0, 1] (Sforza & Pellacini 2022, eq. 5)."""
+
+    def weight(self, mu: Array) -> Array:
+        return 2.0 * mu
+
+    def of(self, albedo: Array) -> Array:
+        return albedo

@@ -3,6 +3,7 @@
 from ecfit.errors import EcfitError, unknown
 from ecfit.quantities.base import AverageAlbedo, DirectionalAlbedo, Quantity
 from ecfit.quantities.moments import AverageFresnel, F82Moment, SchlickA, SchlickB
+from ecfit.quantities.zonal import ZonalMoment
 
 _QUANTITIES: dict[str, type[Quantity]] = {
     "directional-albedo": DirectionalAlbedo,
@@ -11,6 +12,7 @@ _QUANTITIES: dict[str, type[Quantity]] = {
     "schlick-b": SchlickB,
     "f82-moment": F82Moment,
     "average-fresnel": AverageFresnel,
+    "zonal-moment": ZonalMoment,
 }
 
 
