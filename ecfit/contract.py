@@ -13,6 +13,8 @@ QUANTITIES = {
     "f82-moment": "integral over the lobe with x (1 - x)^6, x = wo.h, for F: the F82 model's third term",
     "average-fresnel": "F_avg: 2 x integral of F(x) x over x in [0, 1]",
     "zonal-moment": "E_l: 2 pi x integral of Y_l0(mu) (1 - E(mu)) mu over mu in [0, 1], l = degree",
+    "multiple-bounces": "S = F^2 E_avg / (1 - F (1 - E_avg)), F the mean reflectance of a bounce",
+    "ltc-scale": "a of M = diag(a, a, 1), the linearly transformed cosine nearest to (1 - E(mu)) mu",
 }
 LOBES = {
     "all": "reflection and transmission",

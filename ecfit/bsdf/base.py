@@ -82,6 +82,13 @@ class BSDF(eqx.Module):
         """The directional albedo in closed form, where there is one: an oracle for tests."""
         return None
 
+    def per_bounce(self) -> "tuple[BSDF, Array] | None":
+        """The same surface made white, and the mean reflectance of one bounce on it, where it has them.
+
+        What series of multiple bounces are made of: F_avg of a microfacet conductor, rho of diffuse facets.
+        """
+        return None
+
     def active_parameters(self) -> tuple[str, ...]:
         """Names of the parameters that matter under the chosen options."""
         return tuple(self.parameter_ranges())

@@ -117,6 +117,8 @@ class TableConfig(_Section):
             "f82-moment",
             "average-fresnel",
             "zonal-moment",
+            "multiple-bounces",
+            "ltc-scale",
         ],
         Field(description="what is integrated"),
     ] = "directional-albedo"

@@ -2,6 +2,8 @@
 
 from ecfit.errors import EcfitError, unknown
 from ecfit.quantities.base import AverageAlbedo, DirectionalAlbedo, Quantity
+from ecfit.quantities.bounces import MultipleBounces
+from ecfit.quantities.ltc import LtcScale
 from ecfit.quantities.moments import AverageFresnel, F82Moment, SchlickA, SchlickB
 from ecfit.quantities.zonal import ZonalMoment
 
@@ -13,6 +15,8 @@ _QUANTITIES: dict[str, type[Quantity]] = {
     "f82-moment": F82Moment,
     "average-fresnel": AverageFresnel,
     "zonal-moment": ZonalMoment,
+    "multiple-bounces": MultipleBounces,
+    "ltc-scale": LtcScale,
 }
 
 
