@@ -46,6 +46,7 @@ class BSDF(eqx.Module):
     transmissive: ClassVar[bool] = False
     conserving: ClassVar[bool] = True
     fresnel_parameters: ClassVar[tuple[str, ...]] = ()
+    azimuths: ClassVar[tuple[float, ...]] = ()
 
     @abc.abstractmethod
     def f(self, wo: Array, wi: Array) -> Array:
@@ -57,7 +58,7 @@ class BSDF(eqx.Module):
 
     def measure(self) -> Measure:
         """How to integrate f: by default over the hemisphere; override it where there is a better way."""
-        return Hemisphere(self.f, self.transmissive, self.edges)
+        return Hemisphere(self.f, self.transmissive, self.edges, self.azimuths)
 
     def edges(self, mu: Array) -> Array:
         """Cosines wi.z at which f(wo, .) jumps or bends for wo.z = mu, on all azimuths: none by default.
@@ -72,7 +73,7 @@ class BSDF(eqx.Module):
         return jnp.asarray(1.0)
 
     def albedo_kinks(self) -> Array:
-        """Cosines mu in (0, 1) near which the albedo E(mu) may turn sharply: none by default.
+        """Cosines mu in (0, 1] near which the albedo E(mu) may turn sharply: none by default.
 
         Averages over mu put the ends of their panels there. Returns an array of fixed length.
         """
@@ -80,6 +81,10 @@ class BSDF(eqx.Module):
 
     def exact_albedo(self, mu: Array) -> Array | None:
         """The directional albedo in closed form, where there is one: an oracle for tests."""
+        return None
+
+    def exact_average(self) -> Array | None:
+        """The average albedo in closed form, where there is one: an oracle for tests."""
         return None
 
     def per_bounce(self) -> "tuple[BSDF, Array] | None":

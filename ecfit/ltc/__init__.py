@@ -1,4 +1,4 @@
-"""Linearly transformed cosines that are symmetric about the normal, and the light of polygons through them."""
+"""Linearly transformed cosines symmetric about the normal, and the light of polygons through them."""
 
 from ecfit.ltc.polygon import lobe_share as lobe_share
 from ecfit.ltc.polygon import polygon_share as polygon_share

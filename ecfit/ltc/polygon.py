@@ -1,4 +1,4 @@
-"""How much of a lobe a polygon covers: in closed form for the clamped cosine and what is a linear map of it."""
+"""How much of a lobe a polygon covers: in closed form for the clamped cosine and its linear maps."""
 
 import math
 from typing import Any

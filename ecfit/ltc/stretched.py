@@ -1,4 +1,4 @@
-"""The clamped cosine under M = diag(a, a, 1): the only transform that keeps a lobe symmetric about the normal."""
+"""The clamped cosine under M = diag(a, a, 1): the transform that keeps a lobe symmetric about the normal."""
 
 import math
 from typing import Any
@@ -9,7 +9,7 @@ Array = jax.Array
 
 
 def stretched_cosine(mu: Any, scale: Any) -> Array:
-    """D(mu) = mu a^2 / (pi (1 - mu^2 + a^2 mu^2)^2), per steradian (Heitz et al. 2016, eq. 1, M = diag(a, a, 1)).
+    """D(mu) = mu a^2 / (pi (1 - mu^2 + a^2 mu^2)^2), per steradian (Heitz et al. 2016, eq. 1).
 
     It integrates to 1 over the hemisphere; a = 1 is the clamped cosine over pi, a > 1 leans towards grazing.
 

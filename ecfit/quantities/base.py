@@ -10,7 +10,7 @@ from ecfit.bsdf import BSDF
 from ecfit.contract import LOBES, TRANSPORTS
 from ecfit.errors import unknown
 from ecfit.quadrature import Estimate
-from ecfit.quadrature.rules import graded, integrate_line
+from ecfit.quadrature.rules import Rule, graded, integrate_line
 
 Array = jax.Array
 
@@ -104,7 +104,8 @@ class CosineIntegral(Quantity):
         pieces = 1 + model.albedo_kinks().size
         return tuple(n * self._count(i) * pieces for i, n in enumerate(model.measure().levels))
 
-    def estimate(self, model: BSDF, mu: Array, level: int) -> Estimate:
+    def line(self, model: BSDF, level: int) -> tuple[Rule, Array, Array, Array]:
+        """The rule over mu: its panels, the cosines, d mu of each node, and the weights, copies included."""
         rule = graded(0, self._count(level))
         # E changes fastest within mu ~ alpha of grazing and of its kinks: nodes cluster there with t^2.
         t = jnp.asarray(rule.nodes)
@@ -112,11 +113,14 @@ class CosineIntegral(Quantity):
         ends = jnp.concatenate([jnp.zeros(1), kinks, jnp.ones(1)])
         low, width = ends[:-1, None], jnp.diff(ends)[:, None]
         unit, slope = (t * t, 2.0 * t) if kinks.size == 0 else (t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t))
-        cosine = (low + width * unit).ravel()
-        albedo = jax.vmap(lambda m: self.directional(model, m, level))(cosine)
-        weight = self.weight(cosine) * (width * slope).ravel()
-        integral = integrate_line(weight * self.of(albedo.value), rule)
         weights = jnp.tile(jnp.asarray(rule.weights), ends.size - 1)
+        return rule, (low + width * unit).ravel(), (width * slope).ravel(), weights
+
+    def estimate(self, model: BSDF, mu: Array, level: int) -> Estimate:
+        rule, cosine, slope, weights = self.line(model, level)
+        albedo = jax.vmap(lambda m: self.directional(model, m, level))(cosine)
+        weight = self.weight(cosine) * slope
+        integral = integrate_line(weight * self.of(albedo.value), rule)
         return Estimate(integral.value, integral.error + weights @ (jnp.abs(weight) * albedo.error))
 
 

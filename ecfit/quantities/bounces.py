@@ -25,8 +25,8 @@ class MultipleBounces(AverageAlbedo):
         bounce = model.per_bounce()
         if bounce is None:
             raise EcfitError(
-                f"{type(model).__name__} does not say what a bounce reflects: multiple bounces are defined for "
-                "models with per_bounce(), such as 'conductor'"
+                f"{type(model).__name__} does not say what a bounce reflects: multiple bounces are defined "
+                "for models with per_bounce(), such as 'conductor' and 'qon'"
             )
         white, reflectance = bounce
         average = super().estimate(white, mu, level)

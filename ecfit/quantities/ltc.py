@@ -4,7 +4,7 @@ from ecfit._jax import jax, jnp
 from ecfit.bsdf import BSDF
 from ecfit.ltc.stretched import stretched_cosine
 from ecfit.quadrature import Estimate
-from ecfit.quadrature.rules import graded, integrate_line
+from ecfit.quadrature.rules import integrate_line
 from ecfit.quantities.base import AverageAlbedo
 
 Array = jax.Array
@@ -25,12 +25,9 @@ class LtcScale(AverageAlbedo):
         return False
 
     def estimate(self, model: BSDF, mu: Array, level: int) -> Estimate:
-        rule = graded(0, self._count(level))
-        t = jnp.asarray(rule.nodes)
-        cosine, slope = t * t, 2.0 * t
+        rule, cosine, slope, weights = self.line(model, level)
         albedo = jax.vmap(lambda m: self.directional(model, m, level))(cosine)
         lost = 1.0 - albedo.value
-        weights = jnp.asarray(rule.weights)
         amplitude = 2.0 * jnp.pi * weights @ (lost * cosine * slope)
         lobe, doubt = lost * cosine / amplitude, albedo.error * cosine / jnp.abs(amplitude)
 
