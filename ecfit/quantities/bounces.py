@@ -35,4 +35,4 @@ class MultipleBounces(AverageAlbedo):
         absorbed = jnp.where(absorbed > 0.0, absorbed, 1.0)
         value = reflectance * reflectance * average.value / absorbed
         slope = reflectance * reflectance * (1.0 - reflectance) / (absorbed * absorbed)
-        return Estimate(value, slope * average.error)
+        return Estimate(value, jnp.abs(slope) * average.error)
