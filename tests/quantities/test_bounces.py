@@ -51,9 +51,8 @@ def test_the_mean_reflectance_of_metals_agrees_with_panels(eta, k, panels):
 
 
 def test_a_white_surface_has_the_factor_one_and_a_black_one_none():
-    assert float(factor(Conductor(alpha=0.7, fresnel="schlick", F0=1.0)).value) == pytest.approx(
-        1.0, abs=1e-12
-    )
+    white = Conductor(alpha=0.7, fresnel="schlick", F0=1.0)
+    assert float(factor(white).value) == pytest.approx(1.0, abs=1e-12)
     black = ecfit.model("qon", sigma=0.8, rho=0.0)
     assert float(factor(black).value) == 0.0
 

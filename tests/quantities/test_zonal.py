@@ -127,3 +127,20 @@ def test_the_published_ggx_moments_are_near_the_integral(degree, lost):
     error = np.abs(np.asarray(published(alpha=alpha)) - moments[degree])
     assert 1e-4 < error.mean() < (0.002, 0.003, 0.005)[degree]
     assert np.abs(np.asarray(published(alpha=np.sqrt(alpha))) - moments[degree]).mean() > 0.05
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2])
+def test_the_published_oren_nayar_moments_are_of_the_angle_over_a_right_angle(degree, panels):
+    """sigma = pi a / 2 of the qualitative model; with sigma = a they are off by 0.04 and more."""
+    mu, weight = panels([0.0, 1.0], 8, 8)
+    y = np.polynomial.legendre.Legendre.basis(degree)(mu) * math.sqrt((2 * degree + 1) * math.pi)
+    sigma = np.linspace(0.05, 1.57, 20)
+    lost = [1.0 - np.asarray(ecfit.model("qon", sigma=s).exact_albedo(mu)) for s in sigma]
+    moments = np.array([(e * y * mu) @ weight for e in lost])
+    published = ecfit.published(f"mayaux-2018-oren-nayar-zonal-{degree}")
+    error = np.abs(np.asarray(published(sigma=sigma)) - moments)
+    assert 5e-4 < error.mean() < 0.003
+    # Read as sigma = a, its argument at that sigma is pi / 2 times as large.
+    other = sigma[sigma <= 1.0]
+    wrong = np.asarray(published(sigma=other * math.pi / 2.0)) - moments[: other.size]
+    assert np.abs(wrong).mean() > 0.03
