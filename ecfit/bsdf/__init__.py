@@ -7,6 +7,7 @@ from ecfit.bsdf.conductor import Conductor as Conductor
 from ecfit.bsdf.dielectric import Dielectric as Dielectric
 from ecfit.bsdf.dielectric import ThinDielectric as ThinDielectric
 from ecfit.bsdf.lambertian import Lambertian as Lambertian
+from ecfit.bsdf.microfacet_diffuse import MicrofacetDiffuse as MicrofacetDiffuse
 from ecfit.bsdf.registry import as_model as as_model
 from ecfit.bsdf.registry import model as model
 from ecfit.bsdf.registry import models as models

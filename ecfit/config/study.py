@@ -116,6 +116,8 @@ class TableConfig(_Section):
             "schlick-b",
             "f82-moment",
             "average-fresnel",
+            "fresnel",
+            "brdf",
         ],
         Field(description="what is integrated"),
     ] = "directional-albedo"

@@ -4,6 +4,8 @@ from ecfit.quantities.albedo import directional_albedo as directional_albedo
 from ecfit.quantities.base import AverageAlbedo as AverageAlbedo
 from ecfit.quantities.base import DirectionalAlbedo as DirectionalAlbedo
 from ecfit.quantities.base import Quantity as Quantity
+from ecfit.quantities.brdf import Brdf as Brdf
+from ecfit.quantities.fresnel import FacetFresnel as FacetFresnel
 from ecfit.quantities.moments import AverageFresnel as AverageFresnel
 from ecfit.quantities.moments import F82Moment as F82Moment
 from ecfit.quantities.moments import SchlickA as SchlickA

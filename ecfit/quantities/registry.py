@@ -2,6 +2,8 @@
 
 from ecfit.errors import EcfitError, unknown
 from ecfit.quantities.base import AverageAlbedo, DirectionalAlbedo, Quantity
+from ecfit.quantities.brdf import Brdf
+from ecfit.quantities.fresnel import FacetFresnel
 from ecfit.quantities.moments import AverageFresnel, F82Moment, SchlickA, SchlickB
 
 _QUANTITIES: dict[str, type[Quantity]] = {
@@ -11,6 +13,8 @@ _QUANTITIES: dict[str, type[Quantity]] = {
     "schlick-b": SchlickB,
     "f82-moment": F82Moment,
     "average-fresnel": AverageFresnel,
+    "fresnel": FacetFresnel,
+    "brdf": Brdf,
 }
 
 
