@@ -8,6 +8,7 @@ from ecfit.bsdf.conductor import Conductor as Conductor
 from ecfit.bsdf.dielectric import Dielectric as Dielectric
 from ecfit.bsdf.dielectric import ThinDielectric as ThinDielectric
 from ecfit.bsdf.lambertian import Lambertian as Lambertian
+from ecfit.bsdf.microfacet_diffuse import MicrofacetDiffuse as MicrofacetDiffuse
 from ecfit.bsdf.oren_nayar import EnergyPreservingOrenNayar as EnergyPreservingOrenNayar
 from ecfit.bsdf.oren_nayar import FujiiOrenNayar as FujiiOrenNayar
 from ecfit.bsdf.oren_nayar import QualitativeOrenNayar as QualitativeOrenNayar

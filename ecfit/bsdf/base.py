@@ -9,7 +9,7 @@ import equinox as eqx
 
 from ecfit._jax import jax, jnp
 from ecfit.errors import EcfitError, unknown
-from ecfit.quadrature import Hemisphere, Measure
+from ecfit.quadrature import Estimate, Hemisphere, Measure
 
 Array = jax.Array
 
@@ -55,6 +55,16 @@ class BSDF(eqx.Module):
         Args: unit vectors of shape (3,) in the local frame, z along the normal, both pointing away from
         the surface; wo.z > 0; wi.z < 0 for transmission. Returns a scalar. Must be pure JAX.
         """
+
+    @property
+    def value_levels(self) -> tuple[int, ...]:
+        """Evaluations that a value of f takes at each level of `value`: 1 where f is a formula."""
+        return (1,)
+
+    def value(self, wo: Array, wi: Array, level: int) -> Estimate:
+        """f with an error estimate, by the rule of one level (static): for models whose f is an integral."""
+        value = self.f(wo, wi)
+        return Estimate(value, jnp.zeros_like(value))
 
     def measure(self) -> Measure:
         """How to integrate f: by default over the hemisphere; override it where there is a better way."""

@@ -119,6 +119,8 @@ class TableConfig(_Section):
             "zonal-moment",
             "multiple-bounces",
             "ltc-scale",
+            "fresnel",
+            "brdf",
         ],
         Field(description="what is integrated"),
     ] = "directional-albedo"

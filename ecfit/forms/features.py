@@ -44,8 +44,8 @@ _G = "sqrt({mu}*{mu} + {alpha}*{alpha}*(1 - mu*mu))"
 # The turn of E at the critical cosine has about the width alpha; 1e-4 keeps w smooth at alpha = 0.
 _W = f"sqrt((mu - {_CRITICAL})*(mu - {_CRITICAL}) + alpha*alpha + 1e-4)"
 
-# The Fresnel factor from inside (s- and p-polarised means, Walter et al. 2007, eq. 22 with the indices swapped) with
-# its kink at mu_c as soft as roughness makes it: mu - mu_c, where positive, is replaced by
+# The Fresnel factor from inside (s- and p-polarised means, Walter et al. 2007, eq. 22, with indices swapped)
+# with its kink at mu_c as soft as roughness makes it: mu - mu_c, where positive, is replaced by
 # (d + sqrt(d^2 + alpha^2)) / 2, d = mu - mu_c, written without cancellation. 1e-7, below any alpha of use
 # squared, keeps the root smooth and float32 within reach.
 _IOR = "((1 + sqrt(F0))/(1 - sqrt(F0)))"

@@ -5,6 +5,8 @@ from ecfit.quantities.base import AverageAlbedo as AverageAlbedo
 from ecfit.quantities.base import DirectionalAlbedo as DirectionalAlbedo
 from ecfit.quantities.base import Quantity as Quantity
 from ecfit.quantities.bounces import MultipleBounces as MultipleBounces
+from ecfit.quantities.brdf import Brdf as Brdf
+from ecfit.quantities.fresnel import FacetFresnel as FacetFresnel
 from ecfit.quantities.ltc import LtcScale as LtcScale
 from ecfit.quantities.moments import AverageFresnel as AverageFresnel
 from ecfit.quantities.moments import F82Moment as F82Moment

@@ -1,6 +1,7 @@
 """The protocol of a quantity, and the two albedos."""
 
 import abc
+from collections.abc import Mapping
 from typing import ClassVar
 
 import equinox as eqx
@@ -28,6 +29,11 @@ class Quantity(eqx.Module):
     # Coordinates that the quantity needs beside parameters of the model.
     coordinates: ClassVar[tuple[str, ...]] = ()
 
+    @staticmethod
+    def range_of(coordinate: str) -> tuple[float, float]:
+        """(low, high) of one of `coordinates`: [0, 1] for cosines of polar angles."""
+        return (-1.0, 1.0) if coordinate == "cos_phi" else (0.0, 1.0)
+
     def parameters(self, model: BSDF) -> tuple[str, ...]:
         """Names of the model's parameters that matter."""
         return model.active_parameters()
@@ -49,6 +55,10 @@ class Quantity(eqx.Module):
     @abc.abstractmethod
     def estimate(self, model: BSDF, mu: Array, level: int) -> Estimate:
         """The quantity at one point by the rules of one level (static); mu is ignored where unused."""
+
+    def estimate_at(self, model: BSDF, point: Mapping[str, Array], level: int) -> Estimate:
+        """The quantity at values of its `coordinates`, for those that need others than mu."""
+        return self.estimate(model, point.get("mu", jnp.asarray(1.0)), level)
 
     def bounded(self, model: BSDF) -> bool:
         """Whether the quantity lies in [0, 1] by the model's claim to conserve energy."""

@@ -3,6 +3,8 @@
 from ecfit.errors import EcfitError, unknown
 from ecfit.quantities.base import AverageAlbedo, DirectionalAlbedo, Quantity
 from ecfit.quantities.bounces import MultipleBounces
+from ecfit.quantities.brdf import Brdf
+from ecfit.quantities.fresnel import FacetFresnel
 from ecfit.quantities.ltc import LtcScale
 from ecfit.quantities.moments import AverageFresnel, F82Moment, SchlickA, SchlickB
 from ecfit.quantities.zonal import ZonalMoment
@@ -17,6 +19,8 @@ _QUANTITIES: dict[str, type[Quantity]] = {
     "zonal-moment": ZonalMoment,
     "multiple-bounces": MultipleBounces,
     "ltc-scale": LtcScale,
+    "fresnel": FacetFresnel,
+    "brdf": Brdf,
 }
 
 
