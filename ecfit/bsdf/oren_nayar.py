@@ -66,6 +66,7 @@ def _shape(wo: Array, wi: Array, behind: float) -> tuple[Array, Array]:
 class _OrenNayar(BSDF):
     """What the three have in common: s changes its sign, where f bends, at right angles to the view."""
 
+    fresnel_parameters = ("rho",)
     rho: eqx.AbstractVar[Array]
     azimuths: ClassVar[tuple[float, ...]] = (0.5 * math.pi,)
 

@@ -25,7 +25,7 @@ class WrittenForm(eqx.Module):
         variables: names of coordinates, in any view.
         let: (name, text) pairs defined before the formula.
 
-    Raises `EcfitError` for text that cannot be read, and for a constant or variable that is not used.
+    Raises `EcfitError` for text that cannot be read, and for a constant that is not used.
     """
 
     numbers: Array
@@ -50,7 +50,8 @@ class WrittenForm(eqx.Module):
         for name in known:
             if known.count(name) > 1:
                 raise EcfitError(f"'{name}' is named twice among the constants and variables")
-            if name not in inputs(self._root):
+            # A formula may neglect a coordinate of its table, but a constant that it has not cannot be fitted.
+            if name in self.names and name not in inputs(self._root):
                 raise EcfitError(f"'{name}' does not occur in the formula: leave it out")
 
     @property
