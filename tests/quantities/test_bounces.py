@@ -77,6 +77,19 @@ def test_the_published_diffuse_factor_is_the_series_at_one_roughness():
     assert average[0] > 1.0 - tau > average[1]
 
 
+def test_the_published_factor_of_metals_is_the_series_at_one_roughness():
+    """At alpha = 0.5; at others it is off by five times as much and more."""
+    F0 = np.linspace(0.0, 1.0, 21)
+    published = np.asarray(ecfit.published("mayaux-2018-saturation")(alpha=0.5, F0=F0))
+    rms = {}
+    for alpha in (0.25, 0.5, 1.0):
+        average = eqx.filter_jit(AverageAlbedo().estimate)(Conductor(alpha=alpha), jnp.asarray(1.0), 0).value
+        series = kulla_conty_fresnel(F0 + (1.0 - F0) / 21.0, float(average))
+        rms[alpha] = float(np.sqrt(np.mean((published - series) ** 2)))
+    assert rms[0.5] < 5e-3
+    assert min(rms[0.25], rms[1.0]) > 5.0 * rms[0.5]
+
+
 def test_a_model_that_does_not_say_what_a_bounce_reflects_is_refused():
     with pytest.raises(EcfitError, match="Dielectric does not say what a bounce reflects"):
         factor(ecfit.model("dielectric"))
