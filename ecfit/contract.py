@@ -12,6 +12,11 @@ QUANTITIES = {
     "schlick-b": "B of E = F0 A + F90 B: integral over the lobe with (1 - wo.h)^exponent for F",
     "f82-moment": "integral over the lobe with x (1 - x)^6, x = wo.h, for F: the F82 model's third term",
     "average-fresnel": "F_avg: 2 x integral of F(x) x over x in [0, 1]",
+    "zonal-moment": "E_l: 2 pi x integral of Y_l0(mu) (1 - E(mu)) mu over mu in [0, 1], l = degree",
+    "multiple-bounces": "S = F^2 E_avg / (1 - F (1 - E_avg)), F the mean reflectance of a bounce",
+    "ltc-scale": "a of M = diag(a, a, 1), the linearly transformed cosine nearest to (1 - E(mu)) mu",
+    "fresnel": "F(mu): the Fresnel factor of one facet",
+    "brdf": "f(wo, wi) at mu, mu_i and cos_phi of the azimuth between them; times mu_i with cosine = 1",
 }
 LOBES = {
     "all": "reflection and transmission",

@@ -10,6 +10,7 @@ import numpy as np
 
 from ecfit._jax import jnp
 from ecfit.approximation.formula import Array, Box, Formula, broadcast
+from ecfit.approximation.written import smallest_divisor
 from ecfit.errors import EcfitError
 from ecfit.expressions import Node
 from ecfit.forms import Minimum
@@ -62,13 +63,18 @@ class ModuleFormula(Formula):
         return np.asarray(made) if isinstance(arrays[0], np.ndarray) else made
 
     def expression(self, names: Sequence[str]) -> Node:
+        own = getattr(self.module, "expression", None)
+        if own is not None:
+            return own(tuple(names))
         raise EcfitError(
             f"the module {type(self.module).__name__} has no expression: it cannot be certified or exported"
         )
 
     def smallest_denominator(self, domain: Box) -> Minimum:
-        """What the module says of itself; else 1: poles of a module are unknown, not excluded."""
+        """What the module or its expression says; else 1: poles are then unknown, not excluded."""
         own = getattr(self.module, "smallest_denominator", None)
+        if own is None and hasattr(self.module, "expression"):
+            return smallest_divisor(self.expression(self.names), self.names, domain)
         return own(domain) if own is not None else Minimum(1.0, tuple(low for low, _ in domain), 1.0)
 
     def rows(self, names: Sequence[str]) -> list[tuple[str, float]]:

@@ -60,10 +60,7 @@ class Written(Formula):
         return value(self._expression, dict(zip(self.names, arrays, strict=True))) + 0 * arrays[0]
 
     def smallest_denominator(self, domain: Box) -> Minimum:
-        # Of several divisions the one whose divisor comes nearest to 0 decides.
-        divisors = {id(n.args[1]): n.args[1] for n in topological([self._expression]) if n.op == "div"}
-        found = [interval_minimum(q, self.names, domain) for q in divisors.values() if q.op != "const"]
-        return min(found, key=lambda m: m.bound, default=Minimum(1.0, tuple(lo for lo, _ in domain), 1.0))
+        return smallest_divisor(self._expression, self.names, domain)
 
     def to_dict(self) -> dict:
         return {
@@ -79,6 +76,13 @@ class Written(Formula):
         lets = tuple((str(n), str(t)) for n, t in data.get("let", ()))
         names = tuple(str(n) for n in data.get("names", data["variables"]))
         return cls(names, str(data["formula"]), lets, int(data.get("numbers", 0)))
+
+
+def smallest_divisor(root: Node, names: Sequence[str], domain: Box) -> Minimum:
+    """The minimum over a box of the divisor that comes nearest to 0 of all divisions in an expression."""
+    divisors = {id(n.args[1]): n.args[1] for n in topological([root]) if n.op == "div"}
+    found = [interval_minimum(q, names, domain) for q in divisors.values() if q.op != "const"]
+    return min(found, key=lambda m: m.bound, default=Minimum(1.0, tuple(lo for lo, _ in domain), 1.0))
 
 
 def interval_minimum(q: Node, names: Sequence[str], domain: Box) -> Minimum:

@@ -9,7 +9,7 @@ import equinox as eqx
 
 from ecfit._jax import jax, jnp
 from ecfit.errors import EcfitError, unknown
-from ecfit.quadrature import Hemisphere, Measure
+from ecfit.quadrature import Estimate, Hemisphere, Measure
 
 Array = jax.Array
 
@@ -46,6 +46,7 @@ class BSDF(eqx.Module):
     transmissive: ClassVar[bool] = False
     conserving: ClassVar[bool] = True
     fresnel_parameters: ClassVar[tuple[str, ...]] = ()
+    azimuths: ClassVar[tuple[float, ...]] = ()
 
     @abc.abstractmethod
     def f(self, wo: Array, wi: Array) -> Array:
@@ -55,9 +56,19 @@ class BSDF(eqx.Module):
         the surface; wo.z > 0; wi.z < 0 for transmission. Returns a scalar. Must be pure JAX.
         """
 
+    @property
+    def value_levels(self) -> tuple[int, ...]:
+        """Evaluations that a value of f takes at each level of `value`: 1 where f is a formula."""
+        return (1,)
+
+    def value(self, wo: Array, wi: Array, level: int) -> Estimate:
+        """f with an error estimate, by the rule of one level (static): for models whose f is an integral."""
+        value = self.f(wo, wi)
+        return Estimate(value, jnp.zeros_like(value))
+
     def measure(self) -> Measure:
         """How to integrate f: by default over the hemisphere; override it where there is a better way."""
-        return Hemisphere(self.f, self.transmissive, self.edges)
+        return Hemisphere(self.f, self.transmissive, self.edges, self.azimuths)
 
     def edges(self, mu: Array) -> Array:
         """Cosines wi.z at which f(wo, .) jumps or bends for wo.z = mu, on all azimuths: none by default.
@@ -72,7 +83,7 @@ class BSDF(eqx.Module):
         return jnp.asarray(1.0)
 
     def albedo_kinks(self) -> Array:
-        """Cosines mu in (0, 1) near which the albedo E(mu) may turn sharply: none by default.
+        """Cosines mu in (0, 1] near which the albedo E(mu) may turn sharply: none by default.
 
         Averages over mu put the ends of their panels there. Returns an array of fixed length.
         """
@@ -80,6 +91,17 @@ class BSDF(eqx.Module):
 
     def exact_albedo(self, mu: Array) -> Array | None:
         """The directional albedo in closed form, where there is one: an oracle for tests."""
+        return None
+
+    def exact_average(self) -> Array | None:
+        """The average albedo in closed form, where there is one: an oracle for tests."""
+        return None
+
+    def per_bounce(self) -> "tuple[BSDF, Array] | None":
+        """The same surface made white, and the mean reflectance of one bounce on it, where it has them.
+
+        What series of multiple bounces are made of: F_avg of a microfacet conductor, rho of diffuse facets.
+        """
         return None
 
     def active_parameters(self) -> tuple[str, ...]:

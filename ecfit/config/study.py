@@ -116,11 +116,16 @@ class TableConfig(_Section):
             "schlick-b",
             "f82-moment",
             "average-fresnel",
+            "zonal-moment",
+            "multiple-bounces",
+            "ltc-scale",
+            "fresnel",
+            "brdf",
         ],
         Field(description="what is integrated"),
     ] = "directional-albedo"
     quantity_options: Annotated[
-        dict[str, int], Field(description="settings of the quantity, such as exponent")
+        dict[str, int], Field(description="settings of the quantity, such as exponent or degree")
     ] = {}
     lobe: Annotated[Literal["all", "reflection", "transmission"], Field(description="part of the BSDF")] = (
         "all"

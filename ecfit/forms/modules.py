@@ -22,7 +22,7 @@ Factory = Callable[..., eqx.Module]
 
 _MODULES: dict[str, Factory] = {}
 # Modules of layers above this one, imported when they are asked for; nobody else may take their names.
-_LAZY = {"learned-rational": "ecfit.fitting.learned"}
+_LAZY = {"learned-rational": "ecfit.fitting.learned", "written": "ecfit.forms.written"}
 # Names of fits, which are names of files, are made of these.
 _WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,79}")
 
@@ -124,7 +124,10 @@ def with_coefficients(module: eqx.Module) -> Callable[[Any], Any]:
 
 
 def labels_of(module: eqx.Module) -> list[str]:
-    """What each coefficient is, for people: "weight[2, 0]"."""
+    """What each coefficient is, for people: "weight[2, 0]", or the module's own `labels()`."""
+    own = getattr(module, "labels", None)
+    if own is not None:
+        return list(own())
     out = []
     for path, leaf in jax.tree_util.tree_leaves_with_path(eqx.filter(module, eqx.is_inexact_array)):
         name = jax.tree_util.keystr(path).lstrip(".")
@@ -135,13 +138,16 @@ def labels_of(module: eqx.Module) -> list[str]:
 def coordinates_of_module(module: eqx.Module, given: Sequence[str]) -> tuple[str, ...]:
     """The coordinates that a module is called with, out of the `given` ones in any view.
 
-    Those that `__call__` names; all given ones where it takes any (`**coordinates`). Raises `EcfitError`
-    where they do not stand for the given ones.
+    Those that `__call__` names; where it takes any (`**coordinates`), its own `variables`, or else all given
+    ones. Raises `EcfitError` where they do not stand for the given ones.
     """
     where = type(module).__name__
     parameters = list(inspect.signature(module.__call__).parameters.values())  # pyright: ignore
     if any(p.kind is p.VAR_KEYWORD for p in parameters):
-        return tuple(given)
+        own = tuple(getattr(module, "variables", ()))
+        if own:
+            resolve(own, dict.fromkeys(given, 0.5))
+        return own or tuple(given)
     if any(p.kind in (p.VAR_POSITIONAL, p.POSITIONAL_ONLY) for p in parameters):
         raise EcfitError(f"{where}.__call__ must take its coordinates by keyword: (self, mu, r)")
     optional = {p.name for p in parameters if p.default is not p.empty}
@@ -207,8 +213,10 @@ class ModuleForm(Form):
         started(table): the module with a better start for a table (and arrays of other shapes, if need be);
         degree: a word for labels; the number of coefficients by default;
         denominator(**coordinates): what the module divides by, kept positive by the fit;
-        smallest_denominator(domain): its `Minimum` over (low, high) of each coordinate: without it poles of
-            the module are unknown, and nobody looks for them.
+        expression(names): the value as an expression of coordinates named so: poles are then looked for;
+        labels(): what each coefficient is, for people;
+        smallest_denominator(domain): its `Minimum` over (low, high) of each coordinate: without it and an
+            expression poles of the module are unknown, and nobody looks for them.
 
     Args:
         module: an instance, or the name of a registered one (`ecfit.register_form`).

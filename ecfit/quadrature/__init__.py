@@ -1,10 +1,12 @@
 """Quadrature: ever finer rules for the albedo integral, and their refinement with error estimates."""
 
+from ecfit.quadrature.facets import FacetPairs as FacetPairs
 from ecfit.quadrature.half_vector import HalfVectorReflection as HalfVectorReflection
 from ecfit.quadrature.half_vector import ThinInterface as ThinInterface
 from ecfit.quadrature.hemisphere import Hemisphere as Hemisphere
 from ecfit.quadrature.interface import Interface as Interface
 from ecfit.quadrature.measure import Measure as Measure
+from ecfit.quadrature.paired import PairedHemisphere as PairedHemisphere
 from ecfit.quadrature.refine import FINE as FINE
 from ecfit.quadrature.refine import STATUS as STATUS
 from ecfit.quadrature.refine import Refined as Refined

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import ClassVar
 
+import equinox as eqx
 import numpy as np
 
 from ecfit._jax import jax, jnp
@@ -26,11 +27,13 @@ class Hemisphere(Measure):
         f: the BSDF value f(wo, wi) of unit vectors of shape (3,), without the cosine.
         transmissive: whether f is to be integrated over the lower hemisphere at all.
         edges: cosines wi.z of the discontinuities of f(wo, .) for a given mu (see `BSDF.edges`).
+        azimuths: angles in (0, pi) between wo and wi about the normal at which f jumps or bends.
     """
 
     f: Callable[[Array, Array], Array]
     transmissive: bool = True
     edges: Callable[[Array], Array] | None = None
+    azimuths: tuple[float, ...] = eqx.field(static=True, default=())
 
     default_level: ClassVar[int] = 3
     # (dyadic depth, nodes per panel and dimension) of each level.
@@ -46,7 +49,7 @@ class Hemisphere(Measure):
 
     @property
     def levels(self) -> tuple[int, ...]:
-        sides = 2 if self.transmissive else 1
+        sides = (2 if self.transmissive else 1) * (1 + len(self.azimuths))
         return tuple(4 * sides * ((depth + 1) * count) ** 2 for depth, count in self.ORDERS)
 
     @staticmethod
@@ -82,9 +85,12 @@ class Hemisphere(Measure):
             return theta, ((high - low) * width).ravel() * jnp.sin(theta) * jnp.cos(theta)
 
         half = jnp.asarray(0.5 * jnp.pi)
-        # phi in [0, pi] and [pi, 2 pi], graded towards pi.
-        phi = jnp.pi * jnp.concatenate([1.0 + x, 1.0 - x])
-        w_phi = jnp.pi * jnp.concatenate([width, width])
+        # phi in [0, pi] and its mirror image, in pieces between the azimuths that are graded towards pi.
+        ends = np.array([0.0, *sorted(self.azimuths), np.pi])
+        piece = np.diff(ends)[:, None]
+        phi = jnp.ravel(ends[1:, None] - piece * x)
+        phi = jnp.concatenate([phi, 2.0 * jnp.pi - phi])
+        w_phi = jnp.tile(jnp.ravel(piece * width), 2)
 
         def side(sign: float) -> Estimate:
             theta, w_theta = polar(sign)

@@ -1,6 +1,7 @@
 """The protocol of a quantity, and the two albedos."""
 
 import abc
+from collections.abc import Mapping
 from typing import ClassVar
 
 import equinox as eqx
@@ -10,7 +11,7 @@ from ecfit.bsdf import BSDF
 from ecfit.contract import LOBES, TRANSPORTS
 from ecfit.errors import unknown
 from ecfit.quadrature import Estimate
-from ecfit.quadrature.rules import graded, integrate_line
+from ecfit.quadrature.rules import Rule, graded, integrate_line
 
 Array = jax.Array
 
@@ -27,6 +28,11 @@ class Quantity(eqx.Module):
 
     # Coordinates that the quantity needs beside parameters of the model.
     coordinates: ClassVar[tuple[str, ...]] = ()
+
+    @staticmethod
+    def range_of(coordinate: str) -> tuple[float, float]:
+        """(low, high) of one of `coordinates`: [0, 1] for cosines of polar angles."""
+        return (-1.0, 1.0) if coordinate == "cos_phi" else (0.0, 1.0)
 
     def parameters(self, model: BSDF) -> tuple[str, ...]:
         """Names of the model's parameters that matter."""
@@ -49,6 +55,10 @@ class Quantity(eqx.Module):
     @abc.abstractmethod
     def estimate(self, model: BSDF, mu: Array, level: int) -> Estimate:
         """The quantity at one point by the rules of one level (static); mu is ignored where unused."""
+
+    def estimate_at(self, model: BSDF, point: Mapping[str, Array], level: int) -> Estimate:
+        """The quantity at values of its `coordinates`, for those that need others than mu."""
+        return self.estimate(model, point.get("mu", jnp.asarray(1.0)), level)
 
     def bounded(self, model: BSDF) -> bool:
         """Whether the quantity lies in [0, 1] by the model's claim to conserve energy."""
@@ -82,22 +92,30 @@ class DirectionalAlbedo(Quantity):
         return self.directional(model, mu, level)
 
 
-class AverageAlbedo(Quantity):
-    """E_avg = 2 x integral of E(mu) mu dmu over [0, 1] (Sforza & Pellacini 2022, eq. 5)."""
+class CosineIntegral(Quantity):
+    """An integral over mu in [0, 1] of a weight times something linear in the directional albedo E(mu)."""
+
+    @abc.abstractmethod
+    def weight(self, mu: Array) -> Array:
+        """What multiplies `of(E)`, shape of mu."""
+
+    @abc.abstractmethod
+    def of(self, albedo: Array) -> Array:
+        """E or 1 - E."""
 
     def confirm(self, model: BSDF) -> bool:
-        # E(mu) turns within mu ~ alpha, which may fall between the nodes of the average.
+        # E(mu) turns within mu ~ alpha, which may fall between the nodes of the integral.
         return True
 
-    @staticmethod
-    def _count(level: int) -> int:
+    def _count(self, level: int) -> int:
         return 8 + 6 * level
 
     def nodes(self, model: BSDF) -> tuple[int, ...]:
         pieces = 1 + model.albedo_kinks().size
         return tuple(n * self._count(i) * pieces for i, n in enumerate(model.measure().levels))
 
-    def estimate(self, model: BSDF, mu: Array, level: int) -> Estimate:
+    def line(self, model: BSDF, level: int) -> tuple[Rule, Array, Array, Array]:
+        """The rule over mu: its panels, the cosines, d mu of each node, and the weights, copies included."""
         rule = graded(0, self._count(level))
         # E changes fastest within mu ~ alpha of grazing and of its kinks: nodes cluster there with t^2.
         t = jnp.asarray(rule.nodes)
@@ -105,9 +123,22 @@ class AverageAlbedo(Quantity):
         ends = jnp.concatenate([jnp.zeros(1), kinks, jnp.ones(1)])
         low, width = ends[:-1, None], jnp.diff(ends)[:, None]
         unit, slope = (t * t, 2.0 * t) if kinks.size == 0 else (t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t))
-        cosine = (low + width * unit).ravel()
-        albedo = jax.vmap(lambda m: self.directional(model, m, level))(cosine)
-        weight = 2.0 * cosine * (width * slope).ravel()
-        average = integrate_line(weight * albedo.value, rule)
         weights = jnp.tile(jnp.asarray(rule.weights), ends.size - 1)
-        return Estimate(average.value, average.error + weights @ (weight * albedo.error))
+        return rule, (low + width * unit).ravel(), (width * slope).ravel(), weights
+
+    def estimate(self, model: BSDF, mu: Array, level: int) -> Estimate:
+        rule, cosine, slope, weights = self.line(model, level)
+        albedo = jax.vmap(lambda m: self.directional(model, m, level))(cosine)
+        weight = self.weight(cosine) * slope
+        integral = integrate_line(weight * self.of(albedo.value), rule)
+        return Estimate(integral.value, integral.error + weights @ (jnp.abs(weight) * albedo.error))
+
+
+class AverageAlbedo(CosineIntegral):
+    """E_avg = 2 x integral of E(mu) mu dmu over [0, 1] (Sforza & Pellacini 2022, eq. 5)."""
+
+    def weight(self, mu: Array) -> Array:
+        return 2.0 * mu
+
+    def of(self, albedo: Array) -> Array:
+        return albedo

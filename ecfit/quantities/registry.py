@@ -2,7 +2,12 @@
 
 from ecfit.errors import EcfitError, unknown
 from ecfit.quantities.base import AverageAlbedo, DirectionalAlbedo, Quantity
+from ecfit.quantities.bounces import MultipleBounces
+from ecfit.quantities.brdf import Brdf
+from ecfit.quantities.fresnel import FacetFresnel
+from ecfit.quantities.ltc import LtcScale
 from ecfit.quantities.moments import AverageFresnel, F82Moment, SchlickA, SchlickB
+from ecfit.quantities.zonal import ZonalMoment
 
 _QUANTITIES: dict[str, type[Quantity]] = {
     "directional-albedo": DirectionalAlbedo,
@@ -11,6 +16,11 @@ _QUANTITIES: dict[str, type[Quantity]] = {
     "schlick-b": SchlickB,
     "f82-moment": F82Moment,
     "average-fresnel": AverageFresnel,
+    "zonal-moment": ZonalMoment,
+    "multiple-bounces": MultipleBounces,
+    "ltc-scale": LtcScale,
+    "fresnel": FacetFresnel,
+    "brdf": Brdf,
 }
 
 

@@ -37,13 +37,13 @@ def default_range(
     name: str,
     given: tuple[float | None, float | None] = (None, None),
 ) -> tuple[float, float]:
-    """The full range of a coordinate: [0, 1] for mu, the parameter's range in that view otherwise.
+    """The full range of a coordinate: the quantity's or the parameter's, in that view.
 
     `given` ends replace those of the full range. Raises `EcfitError` where an end is then infinite.
     """
     parameter, map_ = parameter_map(model, quantity_, name)
     if parameter in quantity_.coordinates:
-        ends = [0.0, 1.0]
+        ends = list(quantity_.range_of(parameter))
     else:
         ends = [float(map_.inverse(v)) for v in model.parameter_ranges()[parameter]]
     low, high = (full if end is None else end for full, end in zip(ends, given, strict=True))
@@ -75,7 +75,7 @@ class Request:
             if low < map_.low or high > map_.high:
                 raise EcfitError(f"axis '{axis.name}' must lie in [{map_.low:g}, {map_.high:g}]")
             if parameter in self.quantity.coordinates:
-                lowest, highest = 0.0, 1.0
+                lowest, highest = self.quantity.range_of(parameter)
             else:
                 lowest, highest = self.model.parameter_ranges()[parameter]
             if not (lowest <= map_.forward(low) and map_.forward(high) <= highest):
@@ -249,8 +249,8 @@ def _evaluate(
         point = dict(zip(outer, values, strict=False))
         if inner is not None:
             point[inner] = value
-        mu = point.pop("mu", jnp.asarray(1.0))
-        return quantity_.estimate(model.with_parameters(point), mu, level)
+        own = {n: point.pop(n) for n in quantity_.coordinates if n in point}
+        return quantity_.estimate_at(model.with_parameters(point), own, level)
 
     # The inner map leaves the geometry unbatched: it is computed once a row.
     row = jax.vmap(one, (0, *[None] * len(arrays)))

@@ -196,3 +196,29 @@ def test_gradients_agree_with_differences():
     slope = float(jax.jit(jax.grad(value))(0.5))
     difference = (float(value(0.5 + 1e-5)) - float(value(0.5 - 1e-5))) / 2e-5
     assert slope == pytest.approx(difference, abs=1e-8)
+
+
+class Sector(BSDF):
+    """White towards the viewer, black more than 1 rad of azimuth away from it: E = 1 / pi."""
+
+    def f(self, wo, wi):
+        return jnp.where(jnp.abs(jnp.arctan2(wi[1], wi[0])) < 1.0, 1.0, 0.0) / jnp.pi
+
+    def measure(self):
+        return Coarse(self.f, False, self.edges, self.azimuths)
+
+
+class ToldSector(Sector):
+    """The same, which tells of its edge."""
+
+    azimuths = (1.0,)
+
+
+def test_jumps_at_told_azimuths_converge():
+    told, untold = (estimates(model, 1)[0] for model in (ToldSector, Sector))
+    np.testing.assert_allclose(told, 1.0 / math.pi, atol=1e-12)
+    assert np.abs(untold - 1.0 / math.pi).max() > 1e-3
+    assert (
+        Coarse(lambda o, i: 0.0, False, None, (1.0,)).levels[0]
+        == 2 * Coarse(lambda o, i: 0.0, False).levels[0]
+    )
