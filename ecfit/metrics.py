@@ -47,7 +47,8 @@ class Errors:
 def predict(approximation: Approximation, table: Table) -> np.ndarray:
     """The approximation on the table's nodes, at the coordinates that a fit sees; the table's shape.
 
-    What the table holds fixed by its contract (ior = 1.5) a published formula may have as a variable. Raises `EcfitError` where the table does not have the approximation's coordinates.
+    What the table holds fixed by its contract (ior = 1.5) a formula may have as a variable. Raises
+    `EcfitError` where the table does not have the approximation's coordinates.
     """
     axes = {axis.name: axis.nominal for axis in table.axes}
     nodes, order = approximation.nodes_of(axes, table.contract.parameters)

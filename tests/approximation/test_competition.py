@@ -124,7 +124,8 @@ def conductor(contract: Contract, names: set[str]) -> tuple[np.ndarray, tuple[Ax
 
 
 def test_every_published_formula_is_judged():
-    ours = {name for name in published_names() if not name.startswith("sforza-pellacini-2022-")}
+    elsewhere = ("sforza-pellacini-2022-", "gotanda-2014-", "schlick-fresnel")
+    ours = {name for name in published_names() if not name.startswith(elsewhere)}
     assert ours == {*RECORDED, *EXACT}
 
 
