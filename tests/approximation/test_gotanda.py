@@ -19,7 +19,7 @@ def sample() -> tuple[dict[str, np.ndarray], np.ndarray]:
     rng = np.random.default_rng(4)
     mu, mu_i = rng.uniform(0.01, 1.0, (2, 256))
     points = {"alpha": rng.random(256), "mu": mu, "mu_i": mu_i, "cos_phi": np.cos(np.pi * rng.random(256))}
-    found = integrate(ecfit.published(DIFFUSE).contract, points, 1e-5)
+    found = integrate(ecfit.published(DIFFUSE).contract, points, 1e-4)
     assert np.all(found.status == 0)
     return points, found.values
 
@@ -38,7 +38,7 @@ def otherwise(old: str, new: str) -> Approximation:
 
 
 def test_the_printed_fit_follows_the_integral():
-    assert mean_error(ecfit.published(DIFFUSE)) == pytest.approx(1.1e-2, rel=0.15)
+    assert mean_error(ecfit.published(DIFFUSE)) == pytest.approx(9.05e-3, rel=1e-2)
 
 
 @pytest.mark.parametrize(

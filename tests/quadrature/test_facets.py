@@ -18,7 +18,11 @@ def unit(x, y):
     return jnp.ones_like(x)
 
 
-WEIGHTS = {"fresnel": fresnel, "unit": unit}
+def kinked(x, y):
+    return jnp.abs(x - 0.6)
+
+
+WEIGHTS = {"fresnel": fresnel, "unit": unit, "kinked": kinked}
 
 
 @cache
@@ -79,7 +83,7 @@ def test_facets_of_a_sphere_in_closed_form():
     assert integral(3, "unit", 1.0, 1.0, 1.0, 1.0).value[0] == pytest.approx(2.0 / 3.0, abs=1e-10)
 
 
-@pytest.mark.parametrize("ndf", ["ggx", "beckmann"])
+@pytest.mark.parametrize("ndf", ["ggx", pytest.param("beckmann", marks=pytest.mark.slow)])
 def test_brute_force_agrees(ndf):
     points = [a[::12] for a in sample()]
     found = integral(3, "fresnel", *points, ndf=ndf).value
@@ -88,23 +92,19 @@ def test_brute_force_agrees(ndf):
 
 
 def test_levels_converge_and_their_estimates_are_honest():
-    finest = integral(4, "fresnel", *sample()).value
-    for level, good in enumerate((1e-3, 1e-5, 1e-7, 1e-9)):
+    finest = integral(3, "fresnel", *sample()).value  # good to 1e-10 here, by the next level
+    for level, good in enumerate((1e-3, 1e-5, 1e-7)):
         found = integral(level, "fresnel", *sample())
         error = np.abs(found.value - finest)
         assert error.max() < good
-        assert np.all(error <= found.error + 1e-14)
+        assert np.all(error <= found.error + 1e-10)
 
 
 def test_a_kink_that_the_rule_knows_nothing_of_is_in_the_estimate():
-    def kinked(x, y):
-        return jnp.abs(x - 0.6)
-
-    made = FacetPairs(NDFS["ggx"], jnp.asarray(0.5), kinked)
-    coarse, fine = (made.integral(*map(jnp.asarray, (0.7, 0.4, 0.2)), level) for level in (0, 4))
-    error = abs(float(coarse.value - fine.value))
+    coarse, fine = (integral(level, "kinked", 0.5, 0.7, 0.4, 0.2) for level in (0, 3))
+    error = abs(float(coarse.value[0] - fine.value[0]))
     assert error > 1e-7
-    assert error < float(coarse.error)
+    assert error < float(coarse.error[0])
 
 
 def test_directions_may_be_exchanged():

@@ -19,10 +19,10 @@ MU = jnp.asarray(0.3)
 
 
 def test_a_polynomial_is_integrated_to_rounding():
-    found = lobe(lambda o, i, c: (o + i * i + i * c * c) / jnp.pi).albedo(MU, 0, "all")
+    found = lobe(lambda o, i, c: (o + i * i + i * c * c) / jnp.pi).albedo(MU, 2, "all")
     # 2 x integral of (0.3 + i^2 + i / 2) i di
     assert float(found.value) == pytest.approx(0.3 + 0.5 + 1.0 / 3.0, rel=1e-12)
-    assert float(found.error) < 1e-10
+    assert float(found.error) < 1e-7
 
 
 def test_the_errors_of_values_are_part_of_the_estimate():

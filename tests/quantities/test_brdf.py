@@ -31,10 +31,10 @@ def test_directions_are_those_of_the_coordinates():
 
 
 def test_an_integral_is_refined_to_the_tolerance():
-    table = ecfit.tabulate("microfacet-diffuse", AXES, quantity="brdf", tolerance=1e-6)
+    table = ecfit.tabulate("microfacet-diffuse", AXES, quantity="brdf", tolerance=1e-3)
     assert np.all(table.status == 0)
-    assert 0.0 < table.errors.max() <= 1e-6
-    np.testing.assert_allclose(table.values, table.values.transpose(0, 2, 1, 3), atol=1e-6)
+    assert 0.0 < table.errors.max() <= 1e-3
+    np.testing.assert_allclose(table.values, table.values.transpose(0, 2, 1, 3), atol=2e-4)
 
 
 def test_what_cannot_be_asked_for():

@@ -27,6 +27,6 @@ def test_dielectrics_and_metals_are_those_of_complex_arithmetic():
 
 def test_it_has_no_roughness_and_needs_a_factor():
     with pytest.raises(EcfitError, match="no effect on this quantity"):
-        ecfit.tabulate("dielectric", {"r": 3, "mu": 3}, quantity="fresnel")
+        ecfit.tabulate("dielectric", {"alpha": 3, "mu": 3}, quantity="fresnel")
     with pytest.raises(EcfitError, match="no Fresnel factor"):
         ecfit.tabulate("lambertian", {"mu": 3}, quantity="fresnel")
