@@ -16,10 +16,15 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import ecfit
+from ecfit._jax import jax, jnp
 from ecfit.approximation import Approximation
 from ecfit.approximation.published import find
+from ecfit.bsdf.microfacet_diffuse import schlick_pair
 from ecfit.coordinates import Axis
 from ecfit.expressions import cost
+from ecfit.forms.written import WrittenForm
+from ecfit.microfacet import NDFS
+from ecfit.quadrature import Estimate, FacetPairs
 from ecfit.report.style import look, rendered
 from ecfit.tables.scattered import integrate
 
@@ -153,7 +158,7 @@ def albedo(value: Callable[[Points], Array], alpha: Array, mu: Array) -> Array:
     t, wt = 0.5 * (x[0] + 1.0), 0.5 * x[1]
     phi, wp = 0.5 * np.pi * (w[0] + 1.0), np.pi * w[1]  # both halves of the circle
     axes = np.meshgrid(alpha, mu, t**3, np.cos(phi), indexing="ij")
-    p = dict(zip(("alpha", "mu", "mu_i", "cos_phi"), (a.ravel() for a in axes), strict=True))
+    p: Points = dict(zip(("alpha", "mu", "mu_i", "cos_phi"), (a.ravel() for a in axes), strict=True))
     values = value(p).reshape(axes[0].shape)
     return np.einsum("abij,i,j->ab", values, wt * 3.0 * t * t, wp)
 
@@ -216,21 +221,62 @@ def fresnel() -> str:
 
 
 def validity() -> str:
-    """The range of F0 in which eq. 3 is better than Schlick's factor, by bisection of its ends."""
+    """Ranges of F0 in which eq. 3 is better than Schlick's factor, and what cos^2 in it would give."""
     mu = np.linspace(0.0, 1.0, 401)
     grid = np.linspace(0.005, 0.95, 946)
     lines = []
     names = {"eq. 3": "gotanda-2014-fresnel", "Schlick's": "schlick-fresnel"}
     worst = {n: np.array([np.abs(_named(f)(x, mu) - _dielectric(x, mu)).max() for x in grid])
              for n, f in names.items()}  # fmt: skip
-    better = grid[worst["eq. 3"] < worst["Schlick's"]]
-    lines.append(f"eq. 3's largest error is below Schlick's for F0 in [{better[0]:.3f}, {better[-1]:.3f}]")
+    for factor in (1.0, 1.1, 2.0, 4.0):
+        where = _interval(grid, factor * worst["eq. 3"] < worst["Schlick's"])
+        lines.append(f"eq. 3's largest error is below 1 / {factor:g} of Schlick's for {where}")
     for limit in (0.01, 0.02, 0.05):
         for name, e in worst.items():
-            inside = grid[e < limit]
-            text = f"F0 in [{inside[0]:.3f}, {inside[-1]:.3f}]" if inside.size else "no F0"
-            lines.append(f"{name} error is below {limit:g} for {text}")
+            lines.append(f"{name.removesuffix(chr(39) + 's')}: largest error below {limit:g} for "
+                         f"{_interval(grid, e < limit)}")  # fmt: skip
+    glass = ecfit.tabulate(ecfit.model("dielectric", ior=1.5), {"mu": mu}, quantity="fresnel")
+    for power in (2, 4, 6, 8, 10):
+        formula, start = f"0.04 + 0.96*exp2(k1*mu**{power} + k2*mu)", {"k1": -1.0, "k2": -8.0}
+        fit = ecfit.fit(glass, WrittenForm(formula, start, ["mu"]))
+        lines.append(f"cos^{power} in eq. 3, refitted at 1.5: {number(fit.mae)} / {number(fit.max_error)}")
     return "\n".join(f"- {line}" for line in lines)
+
+
+def _interval(grid: Array, inside: Array) -> str:
+    """Where a condition holds on a grid of F0, in intervals."""
+    steps = np.diff(np.concatenate([[0], inside.astype(int), [0]]))
+    ends = zip(np.flatnonzero(steps == 1), np.flatnonzero(steps == -1) - 1, strict=True)
+    found = [f"[{grid[a]:.3f}, {grid[b]:.3f}]" for a, b in ends]
+    return "F0 in " + " and ".join(found) if found else "no F0"
+
+
+def convergence(count: int) -> str:
+    """The rule's levels against its finest one: a third each grazing, smooth, and spread evenly."""
+    rng = np.random.default_rng(3)
+    p = rng.random((4, count))
+    third = count // 3
+    p[0, :third] = 10.0 ** rng.uniform(-3, 0, third)
+    p[1, third // 2 : 2 * third] = 10.0 ** rng.uniform(-4, -1, 2 * third - third // 2)
+    p[2, third : 2 * third] = 10.0 ** rng.uniform(-4, -1, third)
+    p[3] = np.cos(np.pi * p[3])
+    ndf, weight = NDFS["ggx"], schlick_pair
+    levels = range(len(FacetPairs.ORDERS))
+
+    def at(level: int) -> Estimate:
+        def one(x: jax.Array) -> Estimate:
+            return FacetPairs(ndf, x[0], weight).integral(x[1], x[2], x[3], level)
+
+        return jax.lax.map(one, jnp.asarray(p.T), batch_size=20)
+
+    found = [jax.tree.map(np.asarray, jax.jit(at, static_argnums=0)(level)) for level in levels]
+    rows = []
+    for (slope, azimuth), (value, estimate) in zip(FacetPairs.ORDERS[:-1], found[:-1], strict=True):
+        e = np.abs(value - found[-1].value)
+        cells = [number(float(e.mean())), number(float(e.max()))]
+        rows.append([f"{slope} x {12 * azimuth}", *cells, f"{np.max(e / np.maximum(estimate, 1e-13)):.2f}"])
+    header = ["nodes, slope x azimuth", "mean error", "largest", "error / estimate, largest"]
+    return common.markdown(header, rows)
 
 
 def _dielectric(f0: float, mu: Array) -> Array:
@@ -317,6 +363,7 @@ def main() -> None:
     p, grazing = points(count, 1), points(count // 3, 2, 0.1)
     wanted, wanted_grazing = truth(p), truth(grazing)
     parts = {
+        "convergence": convergence(60 if asked.quick else 300),
         "readings": readings(p, wanted),
         "accuracy": accuracy(p, wanted, grazing, wanted_grazing),
         "energy": energy(asked.quick),
