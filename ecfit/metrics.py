@@ -47,10 +47,12 @@ class Errors:
 def predict(approximation: Approximation, table: Table) -> np.ndarray:
     """The approximation on the table's nodes, at the coordinates that a fit sees; the table's shape.
 
-    Raises `EcfitError` where the table does not have the approximation's coordinates.
+    What the table holds fixed by its contract (ior = 1.5) a formula may have as a variable. Raises
+    `EcfitError` where the table does not have the approximation's coordinates.
     """
-    nodes, order = approximation.nodes_of({axis.name: axis.nominal for axis in table.axes})
-    return np.transpose(approximation.on_grid(nodes), np.argsort(order))
+    axes = {axis.name: axis.nominal for axis in table.axes}
+    nodes, order = approximation.nodes_of(axes, table.contract.parameters)
+    return np.transpose(approximation.on_grid(nodes), np.argsort(order)).reshape(table.grid.shape)
 
 
 def signed_error(approximation: Approximation, table: Table) -> np.ndarray:

@@ -155,12 +155,17 @@ class Approximation:
         found = resolve(self.variables, coordinates)
         return [jnp.asarray(found[v], dtype=jnp.float64) for v in self.variables]
 
-    def nodes_of(self, axes: Mapping[str, np.ndarray]) -> tuple[list[np.ndarray], list[int]]:
+    def nodes_of(
+        self, axes: Mapping[str, np.ndarray], fixed: Mapping[str, float] | None = None
+    ) -> tuple[list[np.ndarray], list[int]]:
         """Nodes of `variables` from those of axes in any view, and the axis of each.
 
-        Raises `EcfitError` unless axes and variables correspond one to one.
+        Variables without an axis take their value from `fixed` (a contract's parameters), as axes of one node
+        after the others. Raises `EcfitError` unless axes and variables correspond one to one.
         """
         nodes, order = [], []
+        given = {n: np.array([v]) for n, v in (fixed or {}).items() if self._lacks(n, axes)}
+        axes = {**axes, **given}
         for variable in self.variables:
             for i, (name, values) in enumerate(axes.items()):
                 found = viewed(variable, name, values)
@@ -173,6 +178,14 @@ class Approximation:
                 f"'{self.name}' is a function of {', '.join(self.variables)}, the table of {', '.join(axes)}"
             )
         return nodes, order
+
+    def _lacks(self, parameter: str, axes: Mapping[str, np.ndarray]) -> bool:
+        """Whether a variable stands for the parameter, and for none of the axes."""
+        return any(
+            viewed(variable, parameter, 0.5) is not None
+            and all(viewed(variable, name, 0.5) is None for name in axes)
+            for variable in self.variables
+        )
 
     def smallest_denominator(self) -> Minimum:
         """The minimum of the denominator over the whole domain (not only on nodes), with a lower bound."""

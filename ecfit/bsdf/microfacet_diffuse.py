@@ -12,7 +12,7 @@ Array = jax.Array
 _NORMALISED = 21.0 / 20.0
 
 
-def _schlick(x_o: Array, x_i: Array) -> Array:
+def schlick_pair(x_o: Array, x_i: Array) -> Array:
     """Gotanda 2014, eq. 6, of one facet without its constant factors."""
     return (1.0 - (1.0 - x_o) ** 5) * (1.0 - (1.0 - x_i) ** 5)
 
@@ -44,7 +44,7 @@ class MicrofacetDiffuse(BSDF):
 
     @property
     def _facets(self) -> FacetPairs:
-        return FacetPairs(NDFS[self.ndf], self.alpha, _schlick if self.fresnel == "schlick" else _unit)
+        return FacetPairs(NDFS[self.ndf], self.alpha, schlick_pair if self.fresnel == "schlick" else _unit)
 
     @property
     def value_levels(self) -> tuple[int, ...]:

@@ -201,7 +201,8 @@ def _searches(table: str, key: str, form: Form) -> dict[str, PlannedSearch]:
 
 def _check_coordinates(approximation: Approximation, name: str, table: Request | Given) -> None:
     try:
-        approximation.nodes_of({axis.name: axis.nominal for axis in table.grid.axes})
+        axes = {axis.name: axis.nominal for axis in table.grid.axes}
+        approximation.nodes_of(axes, table.contract.parameters)
     except EcfitError as error:
         raise EcfitError(f"table '{name}' cannot judge a published fit: {error}") from None
 

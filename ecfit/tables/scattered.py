@@ -51,7 +51,7 @@ def integrate(contract: Contract, points: Mapping[str, np.ndarray], tolerance: f
         if parameter in arrays:
             raise EcfitError(f"coordinate '{parameter}' given more than once")
         given = np.asarray(map_.forward(np.asarray(values, dtype=np.float64)))
-        ranges = {name: (0.0, 1.0) for name in quantity_.coordinates} | dict(bsdf.parameter_ranges())
+        ranges = {n: quantity_.range_of(n) for n in quantity_.coordinates} | dict(bsdf.parameter_ranges())
         low, high = ranges[parameter]
         if given.ndim != 1 or not np.all((low <= given) & (given <= high)):
             raise EcfitError(f"points of '{name}' must be an array within [{low:g}, {high:g}] of {parameter}")
