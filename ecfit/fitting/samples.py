@@ -10,7 +10,7 @@ from ecfit.forms.features import COORDINATES
 from ecfit.tables import Table
 
 # Guards an axis; clustered towards 0, where the corner is.
-_GUARDS = {"mu": 13, "alpha": 13, "F0": 6, "ior": 6}
+_GUARDS, _OTHERS = {"mu": 13, "alpha": 13}, 6
 # Directions t = alpha / (alpha + mu), and distances rho, of the guards at the corner. 1e-12 stands for 0:
 # features of the chart differ by less than rounding.
 _DIRECTIONS = 25
@@ -25,7 +25,7 @@ def weights_of(axis: Axis) -> np.ndarray:
 
 
 def table_points(table: Table) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Coordinates mu, alpha, F0, ior of all entries (those that the table has), and their weights, flat.
+    """Coordinates of structured forms of all entries (those that the table has), and their weights, flat.
 
     Raises `EcfitError` for an axis that is none of them in any view.
     """
@@ -61,10 +61,10 @@ def check_coordinates(variables: Sequence[str], axes: Sequence[Axis]) -> None:
 
 
 def guard_points(domain: Mapping[str, tuple[float, float]]) -> dict[str, np.ndarray]:
-    """Points over a closed domain of mu, alpha, F0 or ior, and at its corner alpha = mu = 0."""
+    """Points over a closed domain of coordinates, and at its corner alpha = mu = 0."""
     axes = []
     for name, (low, high) in domain.items():
-        t = 0.5 * (1.0 - np.cos(np.pi * np.linspace(0.0, 1.0, _GUARDS[name])))
+        t = 0.5 * (1.0 - np.cos(np.pi * np.linspace(0.0, 1.0, _GUARDS.get(name, _OTHERS))))
         axes.append(low + (high - low) * (t * t if name in ("mu", "alpha") else t))
     mesh = [m.ravel() for m in np.meshgrid(*axes, indexing="ij")]
     points = dict(zip(domain, mesh, strict=True))

@@ -14,12 +14,12 @@ from ecfit.expressions import Node, parse, power, substitute, var
 from ecfit.expressions.node import inputs, replaced
 
 # Names of the physical coordinates that features use, in the order in which forms list them.
-COORDINATES = ("mu", "alpha", "F0", "ior")
+COORDINATES = ("mu", "alpha", "F0", "ior", "diffuse_roughness", "sigma")
 
 
 @dataclass(frozen=True)
 class Feature:
-    """A function of mu, alpha, F0 or ior.
+    """A function of mu, alpha, F0, ior, diffuse_roughness or sigma.
 
     Attributes:
         name: how forms and configs call it.
@@ -85,6 +85,12 @@ FEATURES: dict[str, Feature] = {
                 "Fresnel factor of a dielectric seen from inside, its turn at mu_c as soft as alpha"),
         Feature("mu_t", "sqrt(1 - ((1 - sqrt(F0))/(1 + sqrt(F0)))**2*(1 - mu*mu))", 0.0, "",
                 "cosine of the refracted ray, entering"),
+        Feature("diffuse_roughness", "diffuse_roughness", 0.0, "", "roughness of Fujii's Oren-Nayar"),
+        Feature("sigma", "sigma", 0.0, "", "spread of the facets' slope angle of Oren-Nayar in rad"),
+        Feature("A_q", "1 - 0.5*sigma*sigma/(sigma*sigma + 0.33)", 0.0, "", "A of qualitative Oren-Nayar"),
+        Feature("B_q", "0.45*sigma*sigma/(sigma*sigma + 0.09)", 0.0, "", "B of qualitative Oren-Nayar"),
+        Feature("B_F", "diffuse_roughness/(1 + (0.5 - 2/(3*3.141592653589793))*diffuse_roughness)", 0.0, "",
+                "weight B of Fujii's Oren-Nayar: 1 - E is B times a function of mu"),
     )
 }  # fmt: skip
 

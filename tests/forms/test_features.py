@@ -25,6 +25,8 @@ def random_points(count: int = 400) -> dict[str, np.ndarray]:
         "alpha": rng.uniform(1e-3, 1.0, count),
         "F0": rng.uniform(0.0, 1.0, count),
         "ior": rng.uniform(1.0, 3.0, count),
+        "diffuse_roughness": rng.uniform(0.0, 1.0, count),
+        "sigma": rng.uniform(0.0, 1.5, count),
     }
 
 
@@ -47,7 +49,8 @@ def test_the_scaled_feature_is_finite_and_non_negative_up_to_the_corner(name: st
     t = np.linspace(0.0, 1.0, 11)[:, None]
     rho = np.array([0.0, 1e-300, 1e-9, 1e-3])
     for f0 in (0.0, 0.04, 1.0):
-        got = value(scaled(name), {"t": t, "rho": rho, "F0": np.array(f0), "ior": np.array(1.5)})
+        rest = {n: np.array(0.5) for n in ("diffuse_roughness", "sigma")}
+        got = value(scaled(name), {"t": t, "rho": rho, "F0": np.array(f0), "ior": np.array(1.5), **rest})
         assert np.all(np.isfinite(got))
         assert np.all(got >= 0.0)
 
@@ -57,7 +60,7 @@ def test_the_order_is_the_power_of_rho_along_a_ray(name: str):
     """Against the plain formula alone: f(rho / 2) / f(rho) at the corner, F0 = 0 apart."""
     near = []
     for e in (1e-15, 5e-16):
-        at = {"alpha": 0.3 * e, "mu": 0.7 * e, "F0": 0.3, "ior": 1.7}
+        at = {"alpha": 0.3 * e, "mu": 0.7 * e, "F0": 0.3, "ior": 1.7, "diffuse_roughness": 0.4, "sigma": 0.6}
         near.append(value(plain(name), {n: np.array(v) for n, v in at.items()}))
     assert near[1] / near[0] == pytest.approx(0.5 ** FEATURES[name].order, rel=1e-6)
 
@@ -73,10 +76,13 @@ def test_the_order_is_the_power_of_rho_along_a_ray(name: str):
         ("x", 0.5),
         ("mu_c", np.sqrt(1.0 - 1.0 / 2.25)),
         ("mu_t", np.sqrt(1.0 - 0.64 / 2.25)),  # Snell
+        ("B_F", 0.5 / (1.0 + 0.5 * (0.5 - 2.0 / (3.0 * np.pi)))),  # Portsmouth et al. 2024, below eq. 11
+        ("A_q", 1.0 - 0.5 * 0.36 / 0.69),  # Oren & Nayar 1994
+        ("B_q", 0.45 * 0.36 / 0.45),
     ],
 )
 def test_features_at_a_point_worked_by_hand(name: str, expected: float):
-    at = {"mu": 0.6, "alpha": 0.25, "F0": 0.04, "ior": 1.5}
+    at = {"mu": 0.6, "alpha": 0.25, "F0": 0.04, "ior": 1.5, "diffuse_roughness": 0.5, "sigma": 0.6}
     got = value(plain(name), {k: np.array(v) for k, v in at.items()})
     assert got == pytest.approx(expected, rel=1e-14)
 

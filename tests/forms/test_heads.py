@@ -18,6 +18,8 @@ POINTS = {
     "alpha": RNG.uniform(1e-3, 1.0, N),
     "F0": RNG.uniform(1e-3, 1.0, N),
     "ior": RNG.uniform(1.0, 3.0, N),
+    "diffuse_roughness": RNG.uniform(0.0, 1.0, N),
+    "sigma": RNG.uniform(0.0, 1.5, N),
 }
 RHO = POINTS["alpha"] + POINTS["mu"]
 CHART = {**POINTS, "rho": RHO, "t": POINTS["alpha"] / RHO}
@@ -64,6 +66,10 @@ def test_deficit_and_surplus_are_what_is_left_to_the_ends(name: str, which: int)
         ("two-point", {"F0": 0.0}, 0.0),
         ("two-point", {"F0": 1.0}, 1.0),
         ("average", {"alpha": 0.0}, 1.0),
+        ("fujii", {"mu": 0.0}, 1.0),
+        ("fujii", {"diffuse_roughness": 0.0}, 1.0),
+        ("fujii", {"mu": 1.0}, 1.0 / (1.0 + 0.3 * (0.5 - 2.0 / (3.0 * np.pi)))),
+        ("qualitative", {"sigma": 0.0}, 1.0),
         ("times-x", {"ior": 1.0}, 0.0),
     ],
 )
@@ -71,7 +77,15 @@ def test_limits_are_exact_whatever_the_ratio(name: str, at: dict[str, float], ex
     found = head(name)
     for ratio in (0.0, 0.7, 3.0):
         whole = found.expression([const(ratio)] * found.ratios)
-        points = {"mu": 0.3, "alpha": 0.5, "F0": 0.4, "ior": 1.5, **at}
+        points = {
+            "mu": 0.3,
+            "alpha": 0.5,
+            "F0": 0.4,
+            "ior": 1.5,
+            "diffuse_roughness": 0.3,
+            "sigma": 0.5,
+            **at,
+        }
         got = value(whole, {k: np.array(v) for k, v in points.items()})
         assert float(got) == pytest.approx(expected, abs=1e-15)
 

@@ -54,7 +54,7 @@ def test_the_value_is_that_of_the_formula():
 def test_chart_and_coordinates_agree(name: str):
     made = of_head(name)
     coefficients = np.random.default_rng(3).uniform(0.0, 1.0, made.count)
-    points = {**POINTS, "ior": 1.0 + POINTS["F0"]}
+    points = {**POINTS, "ior": 1.0 + POINTS["F0"], "diffuse_roughness": POINTS["F0"], "sigma": POINTS["F0"]}
     expected = value(made.expression(coefficients), points)
     in_chart, held, q = made.chart(coefficients)
     chart = chart_points(points)
@@ -197,7 +197,7 @@ def test_a_charted_form_is_the_same_function():
 def test_every_head_may_be_charted(name: str):
     plain = of_head(name)
     coefficients = np.random.default_rng(3).uniform(0.0, 1.0, plain.count)
-    points = {**POINTS, "ior": 1.0 + POINTS["F0"]}
+    points = {**POINTS, "ior": 1.0 + POINTS["F0"], "diffuse_roughness": POINTS["F0"], "sigma": POINTS["F0"]}
     made = replace(plain, charted=True)
     expected = value(plain.expression(coefficients), points)
     np.testing.assert_allclose(value(made.expression(coefficients), points), expected, rtol=1e-11, atol=1e-12)
