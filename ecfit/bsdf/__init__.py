@@ -11,3 +11,5 @@ from ecfit.bsdf.registry import as_model as as_model
 from ecfit.bsdf.registry import model as model
 from ecfit.bsdf.registry import models as models
 from ecfit.bsdf.registry import register as register
+from ecfit.bsdf.sheen import AshikhminSheen as AshikhminSheen
+from ecfit.bsdf.sheen import ImageworksSheen as ImageworksSheen

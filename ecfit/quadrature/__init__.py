@@ -12,3 +12,4 @@ from ecfit.quadrature.refine import Status as Status
 from ecfit.quadrature.refine import refine as refine
 from ecfit.quadrature.rules import Estimate as Estimate
 from ecfit.quadrature.rules import gauss_legendre as gauss_legendre
+from ecfit.quadrature.total import Total as Total
