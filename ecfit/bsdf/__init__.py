@@ -1,5 +1,6 @@
 """BSDF models: the one method they need, their registry, and those that ecfit ships."""
 
+from ecfit.bsdf.anisotropic import AnisotropicConductor as AnisotropicConductor
 from ecfit.bsdf.base import BSDF as BSDF
 from ecfit.bsdf.base import option as option
 from ecfit.bsdf.base import parameter as parameter
