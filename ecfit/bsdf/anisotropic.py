@@ -19,7 +19,7 @@ class AnisotropicConductor(BSDF):
     """F D G2 / (4 mu_o mu_i), D of widths alpha_u and alpha_v, height-correlated Smith (Heitz 2014).
 
     The widths are alpha and aspect x alpha. `phi` is the azimuth of wo from the direction of alpha_u, over a
-    quarter turn (E is even in it, of period pi). azimuth = "averaged" gives the mean over phi, as f itself then is
+    quarter turn (E is even in it, of period pi). azimuth = "averaged" is the mean over phi, of E and of f
     (over `AZIMUTHS` of them).
     """
 

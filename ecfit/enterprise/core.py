@@ -32,7 +32,7 @@ class EnterprisePBR(Lobes):
     s: Array = parameter(1.0, 0.0, 1.0, "amount of specular reflection")
     ior: Array = parameter(1.5, 1.0, HIGHEST_IOR, "index of refraction of the denser side; F0 is accepted")
     rho_s: Array = parameter(1.0, 0.0, 1.0, "tint of the specular reflection at normal incidence")
-    b: Array = parameter(0.0, 0.0, 1.0, "sheen")
+    b: Array = parameter(0.0, 0.0, 1.0, "sheen of the base")
     c: Array = parameter(1.0, 0.0, 1.0, "strength of the clear coat (coat = clear)")
     alpha_c: Array = parameter(0.3, 0.0, 1.0, "the coat's roughness; its GGX width is the square")
     kind: str = option("thin", KINDS, "a sheet, or the boundary of a volume")

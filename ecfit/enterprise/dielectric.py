@@ -127,7 +127,7 @@ class Opaque(Lobes):
     rho: Array = parameter(1.0, 0.0, 1.0, "reflectance of the base")
     s: Array = parameter(1.0, 0.0, 1.0, "amount of specular reflection")
     rho_s: Array = parameter(1.0, 0.0, 1.0, "tint of the specular reflection at normal incidence")
-    b: Array = parameter(0.0, 0.0, 1.0, "sheen")
+    b: Array = parameter(0.0, 0.0, 1.0, "sheen of the base")
     energy: str = option("exact", ENERGIES, ENERGY_DOC)
 
     conserving: ClassVar[bool] = False

@@ -1,9 +1,9 @@
 """The anisotropic GGX lobe integrated over half vectors, for one azimuth of wo or the mean over all.
 
 At the azimuth phi of h, anisotropic GGX is the isotropic one of width k(phi),
-1 / k^2 = cos^2(phi) / alpha_u^2 + sin^2(phi) / alpha_v^2, times k^2 / (alpha_u alpha_v): the polar integral of
-`HalfVectorReflection` holds unchanged, with its horizon in closed form. What differs is the azimuth: there is
-no mirror symmetry, and k turns within min / max of the widths. The angle psi,
+1 / k^2 = cos^2(phi) / alpha_u^2 + sin^2(phi) / alpha_v^2, times k^2 / (alpha_u alpha_v): the polar integral
+of `HalfVectorReflection` holds unchanged, with its horizon in closed form. What differs is the azimuth:
+there is no mirror symmetry, and k turns within min / max of the widths. The angle psi,
 tan(phi) = (alpha_v / alpha_u) tan(psi), in which normals are uniform, spreads that.
 """
 
@@ -24,7 +24,7 @@ _NDF = GGX()
 
 
 def stretched(alpha_u: Array, alpha_v: Array, w: tuple[Array, Array, Array]) -> Array:
-    """sqrt(alpha_u^2 w_x^2 + alpha_v^2 w_y^2 + w_z^2): (1 + 2 Lambda(w)) w_z of anisotropic GGX (Heitz 2014)."""
+    """sqrt(alpha_u^2 w_x^2 + alpha_v^2 w_y^2 + w_z^2) = (1 + 2 Lambda(w)) w_z (Heitz 2014, eq. 85)."""
     square = (alpha_u * w[0]) ** 2 + (alpha_v * w[1]) ** 2 + w[2] ** 2
     return jnp.where(square > 0.0, jnp.sqrt(jnp.where(square > 0.0, square, 1.0)), 0.0)
 
@@ -75,13 +75,11 @@ class AnisotropicReflection(Measure):
         _, count, _ = self.ORDERS[level]
         rule = graded(0, count)
         x, width = jnp.asarray(rule.nodes), jnp.asarray(rule.widths)
-        # The horizon turns within mu of the two directions at right angles to wo: in psi these are psi_o +- pi/2,
-        # and panels end there and half way between. A sinh map of the nodes clusters them there.
+        # The horizon turns within mu of the two directions at right angles to wo, in psi as well half a turn
+        # apart. Panels end there, and a sinh map clusters their nodes.
         across = jnp.arctan2(self.alpha_u * jnp.cos(phi_o), -self.alpha_v * jnp.sin(phi_o))
-        across = jnp.where(jnp.isfinite(across), across, 0.5 * jnp.pi)
         psi, dpsi = [], []
         for turn in range(2):
-            # Four panels around each of the two directions: psi = across + turn pi + scale sinh(b).
             for half in (-1.0, 1.0):
                 scale = jnp.maximum(mu, 1e-3)
                 b_max = jnp.arcsinh(0.5 * jnp.pi / scale)
