@@ -48,7 +48,10 @@ def _table(part: str) -> Approximation:
     average = part.endswith("-average")
     names = (*(("F0",) if base else ()), "r", *(() if average else ("mu",)))
     quantity = "average-albedo" if average else "directional-albedo"
-    return lookup_table(bsdf, dict.fromkeys(names, count), quantity=quantity, tolerance=_TABLE_TOLERANCE)
+    # The first use may be within the trace of a model's own integral.
+    with jax.ensure_compile_time_eval():
+        counts = dict.fromkeys(names, count)
+        return lookup_table(bsdf, counts, quantity=quantity, tolerance=_TABLE_TOLERANCE)
 
 
 _SOURCES = {"printed": _printed, "tables": _table}
