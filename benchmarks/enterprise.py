@@ -68,6 +68,22 @@ def furnace_metallic(figures: Path | None) -> None:
         _draw(figures / "enterprise-metallic-furnace.svg", curves, [f"r = {r}" for r in roughness])
 
 
+def readings(figures: Path | None) -> None:
+    """The metallic furnace at F0 = 1 with the printed fits of other readings of alpha_uv."""
+    fit, average = (ecfit.published("enterprise-pbr-2019x" + part) for part in ("", "-average"))
+    x, w = np.polynomial.legendre.leggauss(24)
+    nodes = 0.5 * (x + 1.0)
+    isotropic = ecfit.model("conductor", masking="height-correlated")
+    _head("metallic, F0 = 1, printed fits")
+    for r in (0.1, 0.6, 0.9):
+        for label, power in (("alpha", 2), ("r", 1), ("alpha^2", 4)):
+            a = r**power
+            truth = np.asarray(ecfit.directional_albedo(isotropic, r=r, mu=MU))
+            mean = float(w @ (nodes * np.asarray(fit(alpha=a, mu=nodes))))
+            lost = (1.0 - np.asarray(fit(alpha=a, mu=MU))) * (1.0 - mean)
+            print(_row(f"r = {r}, alpha_uv = {label}", truth + lost / (1.0 - float(average(alpha=a)))))
+
+
 def furnace_opaque(figures: Path | None) -> None:
     """The document's furnace of the base: r = 0.5 and F0 = 0.04, 0.5, 0.9."""
     f0 = [0.04, 0.5, 0.9]
@@ -180,6 +196,7 @@ def _draw(path: Path, curves: dict[str, np.ndarray], titles: list[str]) -> None:
 
 SECTIONS: dict[str, Callable[[Path | None], None]] = {
     "metallic": furnace_metallic,
+    "readings": readings,
     "opaque": furnace_opaque,
     "sheen": furnace_sheen,
     "core": furnace_core,

@@ -8,6 +8,7 @@ furnace shows.
 """
 
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 
 import equinox as eqx
@@ -44,14 +45,17 @@ def _table(part: str) -> Approximation:
     from ecfit.bsdf import model
 
     count, base = (16, True) if part.startswith("base") else (32, False)
-    bsdf = model("enterprise-metallic") if base else model("conductor", masking=MASKING)
     average = part.endswith("-average")
     names = (*(("F0",) if base else ()), "r", *(() if average else ("mu",)))
     quantity = "average-albedo" if average else "directional-albedo"
-    # The first use may be within the trace of a model's own integral.
-    with jax.ensure_compile_time_eval():
-        counts = dict.fromkeys(names, count)
-        return lookup_table(bsdf, counts, quantity=quantity, tolerance=_TABLE_TOLERANCE)
+
+    def made() -> Approximation:
+        bsdf = model("enterprise-metallic") if base else model("conductor", masking=MASKING)
+        return lookup_table(bsdf, dict.fromkeys(names, count), quantity=quantity, tolerance=_TABLE_TOLERANCE)
+
+    # The first use may be within the trace of a model's own integral: a thread of its own has no trace.
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(made).result()
 
 
 _SOURCES = {"printed": _printed, "tables": _table}
