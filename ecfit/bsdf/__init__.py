@@ -1,5 +1,6 @@
 """BSDF models: the one method they need, their registry, and those that ecfit ships."""
 
+from ecfit.bsdf.anisotropic import AnisotropicConductor as AnisotropicConductor
 from ecfit.bsdf.base import BSDF as BSDF
 from ecfit.bsdf.base import option as option
 from ecfit.bsdf.base import parameter as parameter
@@ -16,3 +17,5 @@ from ecfit.bsdf.registry import as_model as as_model
 from ecfit.bsdf.registry import model as model
 from ecfit.bsdf.registry import models as models
 from ecfit.bsdf.registry import register as register
+from ecfit.bsdf.sheen import AshikhminSheen as AshikhminSheen
+from ecfit.bsdf.sheen import ImageworksSheen as ImageworksSheen

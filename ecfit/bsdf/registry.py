@@ -10,7 +10,7 @@ from ecfit.errors import EcfitError, did_you_mean, unknown
 
 _MODELS: dict[str, type[BSDF]] = {}
 # Models of layers above this one, imported when they are asked for.
-_LAZY = {"glossy": "ecfit.compensation"}
+_LAZY = {"glossy": "ecfit.compensation", "enterprise": "ecfit.enterprise"}
 
 T = TypeVar("T", bound=type[BSDF])
 

@@ -1,6 +1,7 @@
 """Quadrature: ever finer rules for the albedo integral, and their refinement with error estimates."""
 
 from ecfit.quadrature.facets import FacetPairs as FacetPairs
+from ecfit.quadrature.anisotropic import AnisotropicReflection as AnisotropicReflection
 from ecfit.quadrature.half_vector import HalfVectorReflection as HalfVectorReflection
 from ecfit.quadrature.half_vector import ThinInterface as ThinInterface
 from ecfit.quadrature.hemisphere import Hemisphere as Hemisphere
@@ -14,3 +15,4 @@ from ecfit.quadrature.refine import Status as Status
 from ecfit.quadrature.refine import refine as refine
 from ecfit.quadrature.rules import Estimate as Estimate
 from ecfit.quadrature.rules import gauss_legendre as gauss_legendre
+from ecfit.quadrature.total import Total as Total

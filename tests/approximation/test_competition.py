@@ -129,8 +129,8 @@ def stated(approximation: Approximation, made: BSDF) -> ecfit.Table:
 
 
 def conductor(contract: Contract, names: set[str]) -> tuple[np.ndarray, tuple[Axis, ...]]:
-    masking = contract.options["masking"]
-    if contract.options.get("compensation"):
+    masking = contract.options.get("masking", CORRELATED)
+    if contract.model == "enterprise-metallic":
         if "mu" in names:
             parts = split(masking)
             a, b, e1 = parts["schlick-a"], parts["schlick-b"], parts["directional-albedo"]
