@@ -176,7 +176,7 @@ def saturation() -> None:
     print(f"without a roughness no factor is better than {0.5 * np.ptp(series, axis=0).max():.4f} at worst")
     tau = 0.28430405702379613
     sigma = np.linspace(0.01, 0.5 * math.pi, 2001)
-    lost = 1.0 - np.array([float(ecfit.model("qon", sigma=s).exact_average()) for s in sigma])
+    lost = 1.0 - np.array([np.asarray(ecfit.model("qon", sigma=s).exact_average()) for s in sigma])
     print(f"tau = {tau:.4f} is 1 - E_avg of qon at sigma = {np.interp(tau, lost, sigma):.4f}")
     rho = F0
     series = rho**2 * (1.0 - lost[:, None]) / (1.0 - rho * lost[:, None])
