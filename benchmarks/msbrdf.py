@@ -56,7 +56,8 @@ def ggx_lost(masking: str, alpha: Array, mu: Array = MU) -> Array:
 
 def diffuse_lost(model: str, parameter: str, values: Array) -> Array:
     """1 - E of a diffuse model from its closed albedo, shape (values, mu)."""
-    return np.stack([1.0 - np.asarray(ecfit.model(model, **{parameter: v}).exact_albedo(MU)) for v in values])
+    mu = jnp.asarray(MU)
+    return np.stack([1.0 - np.asarray(ecfit.model(model, **{parameter: v}).exact_albedo(mu)) for v in values])
 
 
 def cell(error: Array) -> str:
