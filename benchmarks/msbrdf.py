@@ -14,6 +14,7 @@ import numpy as np
 from common import DOCS
 
 import ecfit
+from ecfit._jax import jnp
 from ecfit.approximation.published import find
 from ecfit.harmonics import lobe_irradiance
 from ecfit.ltc import lobe_share, stretched_cosine
