@@ -14,6 +14,7 @@ import numpy as np
 from common import DOCS
 
 import ecfit
+from ecfit._jax import jnp
 from ecfit.approximation.published import find
 from ecfit.harmonics import lobe_irradiance
 from ecfit.ltc import lobe_share, stretched_cosine
@@ -56,7 +57,8 @@ def ggx_lost(masking: str, alpha: Array, mu: Array = MU) -> Array:
 
 def diffuse_lost(model: str, parameter: str, values: Array) -> Array:
     """1 - E of a diffuse model from its closed albedo, shape (values, mu)."""
-    return np.stack([1.0 - np.asarray(ecfit.model(model, **{parameter: v}).exact_albedo(MU)) for v in values])
+    mu = jnp.asarray(MU)
+    return np.stack([1.0 - np.asarray(ecfit.model(model, **{parameter: v}).exact_albedo(mu)) for v in values])
 
 
 def cell(error: Array) -> str:
@@ -176,7 +178,7 @@ def saturation() -> None:
     print(f"without a roughness no factor is better than {0.5 * np.ptp(series, axis=0).max():.4f} at worst")
     tau = 0.28430405702379613
     sigma = np.linspace(0.01, 0.5 * math.pi, 2001)
-    lost = 1.0 - np.array([float(ecfit.model("qon", sigma=s).exact_average()) for s in sigma])
+    lost = 1.0 - np.array([np.asarray(ecfit.model("qon", sigma=s).exact_average()) for s in sigma])
     print(f"tau = {tau:.4f} is 1 - E_avg of qon at sigma = {np.interp(tau, lost, sigma):.4f}")
     rho = F0
     series = rho**2 * (1.0 - lost[:, None]) / (1.0 - rho * lost[:, None])

@@ -50,7 +50,7 @@ class WrittenForm(eqx.Module):
         for name in known:
             if known.count(name) > 1:
                 raise EcfitError(f"'{name}' is named twice among the constants and variables")
-            # A formula may neglect a coordinate of its table, but a constant that it has not cannot be fitted.
+            # A formula may neglect a coordinate of its table; a constant that it has not cannot be fitted.
             if name in self.names and name not in inputs(self._root):
                 raise EcfitError(f"'{name}' does not occur in the formula: leave it out")
 

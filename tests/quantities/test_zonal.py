@@ -129,6 +129,30 @@ def test_the_published_ggx_moments_are_near_the_integral(degree, lost):
     assert np.abs(np.asarray(published(alpha=np.sqrt(alpha))) - moments[degree]).mean() > 0.05
 
 
+# Exponents of alpha in numerator and denominator, and how many times nearer than the printed one.
+RATIONALS = [
+    ([[2]], [[0], [1], [3]], 4.0),
+    ([[2]], [[0], [1.5], [3]], 15.0),
+    ([[1.5], [2]], [[0], [2]], 10.0),
+]
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2])
+def test_a_rational_of_as_many_numbers_is_several_times_nearer(degree, lost):
+    """Those of configs/msbrdf.toml."""
+    alpha, moments = lost
+    published = ecfit.published(f"mayaux-2018-ggx-zonal-{degree}")
+    numerator, denominator, times = RATIONALS[degree]
+    form = ecfit.Structured("ratio", ["alpha"], [numerator], denominator)
+    table = ecfit.Table.from_array(moments[degree], {"alpha": alpha}, published.contract)
+    fit = ecfit.fit(table, form)
+    error = np.abs(np.asarray(published(alpha=alpha)) - moments[degree])
+    assert fit.status == "converged"
+    assert len(fit.coefficients) == 3
+    assert fit.mae < error.mean() / times
+    assert fit.max_error < error.max() / times
+
+
 @pytest.mark.parametrize("degree", [0, 1, 2])
 def test_the_published_oren_nayar_moments_are_of_the_angle_over_a_right_angle(degree, panels):
     """sigma = pi a / 2 of the qualitative model; with sigma = a they are off by 0.04 and more."""
