@@ -95,7 +95,7 @@ class ChartDomain:
                 floors=known,
                 limit=limit,
             )
-            at = piece.chart({n: np.float64(x) for n, x in zip(piece.box, low.place, strict=True)})
+            at = piece.chart({n: np.asarray(x) for n, x in zip(piece.box, low.place, strict=True)})
             found.append(low._replace(place=tuple(float(at[n]) for n in self.box)))
         least = min(found, key=lambda low: low.value)
         return least._replace(bound=min(low.bound for low in found))
