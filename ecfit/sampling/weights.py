@@ -1,8 +1,9 @@
 """Mean, variance and maximum of the weight f mu_i / p: by integration, and by drawing.
 
-The panels of the integrals end where f bends (theta_i = theta_o, right angles of azimuth) and where a transformed
-cosine's terminator runs, beyond which its density is 0. A density that goes to 0 there where f does not makes
-the second moment diverge as a logarithm: the variance is infinite, and the energy `beyond` is never drawn.
+The panels of the integrals end where f bends (theta_i = theta_o, right angles of azimuth) and where a
+transformed cosine's terminator runs, beyond which its density is 0. A density that goes to 0 there where f
+does not makes the second moment diverge as a logarithm: the variance is infinite, and the energy `beyond` is
+never drawn.
 """
 
 from typing import NamedTuple
@@ -39,7 +40,7 @@ class Weights(NamedTuple):
 
 
 def _panels(ends: Array, nodes: int) -> tuple[Array, Array]:
-    """Nodes and weights between sorted ends, with squares at both sides of each panel, which resolve roots."""
+    """Nodes and weights between sorted ends, with squares at both sides of a panel, which resolve roots."""
     x, w = gauss_legendre(nodes)
     ends = jnp.sort(ends)
     low, high = ends[:-1, None], ends[1:, None]
