@@ -1,7 +1,7 @@
 """The numbers of the lobe form `eon`, and its statistics against those of the source's.
 
-    python benchmarks/eon_lobe.py          # ratios on a grid (a minute)
-    python benchmarks/eon_lobe.py --fit    # the fit from the printed numbers (many minutes)
+python benchmarks/eon_lobe.py          # ratios on a grid (a minute)
+python benchmarks/eon_lobe.py --fit    # the fit from the printed numbers (many minutes)
 """
 
 import sys
@@ -14,7 +14,9 @@ from ecfit.sampling.refit import refit_lobe
 
 FIT_MU = [0.01, 0.2, 0.4, 0.5, 0.6, 0.75, 0.9, 0.96, 1.0]
 FIT_R = [[0.2], [0.4], [0.65], [0.85], [1.0]]
-MU = np.array([0.0, 0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.7, 0.8, 0.9, 0.97, 1.0])
+MU = np.array(
+    [0.0, 0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.7, 0.8, 0.9, 0.97, 1.0]
+)
 R = np.array([0.01, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.9, 1.0])[:, None]
 
 

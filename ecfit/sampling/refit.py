@@ -22,7 +22,7 @@ Array = jax.Array
 _NODES = 8
 # Squares of this power of the variance's ratio are added up: the worst point counts most. The ratio of the
 # largest weight counts this much.
-_POWER, _LARGEST = 5, 0.03
+_POWER, _LARGEST = 8, 0.06
 
 
 def _statistics(model: BSDF, technique: Any, mu: Array, r: Array, name: str) -> Array:
