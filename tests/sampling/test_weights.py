@@ -49,13 +49,13 @@ def test_a_lambertian_has_no_variance_under_the_cosine_and_a_third_under_the_uni
 
 
 def test_a_lobe_alone_misses_energy_and_has_no_variance():
-    found = [integrated(EON, technique("cltc"), 0.1, 1.0, cut=cut) for cut in (1e-4, 1e-7, 1e-10)]
+    found = [integrated(EON, technique("cltc"), 0.1, 1.0, cut=cut) for cut in (1e-2, 1e-3, 1e-4)]
     assert float(found[0].beyond) > 1e-3
     assert float(found[0].mean + found[0].beyond) == pytest.approx(1.0, abs=1e-9)
-    # A thousandth of the cut adds the same: the second moment grows as a logarithm.
+    # A tenth of the cut adds as much again: the second moment grows as a logarithm.
     first, second = (float(b.variance - a.variance) for a, b in itertools.pairwise(found))
     assert first > 1e-3
-    assert second == pytest.approx(first, rel=0.1)
+    assert second == pytest.approx(first, rel=0.3)
 
 
 def test_the_printed_form_is_the_listing():
