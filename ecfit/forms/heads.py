@@ -211,8 +211,8 @@ HEADS: dict[str, Head] = {
         Head("inside", ({"alpha": 1.0},), "min(max(F_in + X, 0), 1)",
              limits="E = F(mu) from inside at alpha = 0, in [0, 1]"),
         Head("average", ({"r": 4.0},), "1 - X", (), {}, "X", limits="E_avg = 1 at alpha = 0"),
-        # 1 - E of Fujii's Oren-Nayar is B_F (1/2 - 2/(3 pi)) at mu = 1, and that of the printed polynomial
-        # nowhere exactly.
+        # 1 - E of Fujii's Oren-Nayar is 0 at mu = 0 and B_F (1/2 - 2/(3 pi)) at mu = 1; the printed
+        # polynomial has the second only.
         Head("fujii", ({"B_F": 1.0, "mu": 1.0, "u": 1.0},), f"1 - {_FUJII}*B_F*mu - X", (),
              {"B_F": 1.0}, f"{_FUJII}*mu + X",
              limits="E = 1 at mu = 0 and without roughness, A_F at mu = 1"),

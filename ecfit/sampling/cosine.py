@@ -1,7 +1,7 @@
 """Linearly transformed cosines, whole and clipped to the upper hemisphere.
 
-Heitz et al. 2016; clipping: Portsmouth et al. 2024, section 3.1, whose equation numbers these are. Directions are
-given in the frame of the view: wo = (sin theta_o, 0, cos theta_o).
+Heitz et al. 2016; clipping: Portsmouth et al. 2024, section 3.1, whose equation numbers these are. Directions
+are given in the frame of the view: wo = (sin theta_o, 0, cos theta_o).
 """
 
 import equinox as eqx
@@ -16,8 +16,8 @@ class TransformedCosine(eqx.Module):
 
     Attributes:
         a, b, c, d: scalars.
-        clipped: whether only what M maps to the upper hemisphere is drawn (eq. 28); else directions fall below
-            the horizon, too, where they are wasted.
+        clipped: whether only what M maps to the upper hemisphere is drawn (eq. 28); else directions fall
+            below the horizon, too, where they are wasted.
     """
 
     a: Array

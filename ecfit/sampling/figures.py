@@ -1,4 +1,4 @@
-"""Figures of weights and of closed albedos. Each function returns a Matplotlib figure; nothing is written here."""
+"""Figures of weights and of closed albedos: functions that return a Matplotlib figure and write nothing."""
 
 from collections.abc import Mapping, Sequence
 

@@ -1,7 +1,7 @@
 """The numbers of a lobe form fitted by the variance of its weights, against those of another.
 
-First the best transformed cosine and share at each point by itself, then the form's numbers nearest to those, then
-the numbers that make the variance of the form small over all points.
+First the best transformed cosine and share at each point by itself, then the form's numbers nearest to those,
+then the numbers that make the variance of the form small over all points.
 """
 
 from typing import Any
@@ -20,21 +20,15 @@ Array = jax.Array
 
 # Gauss nodes a panel: the gradient needs fewer than the numbers that are reported.
 _NODES = 8
-# Weight of a variance above `_SAFE` times that of the other form, and of a largest weight above `_LARGEST` times.
-_WORSE, _SAFE, _LARGEST = 30.0, 0.97, 1.1
+# Squares of this power of the variance's ratio are added up: the worst point counts most. The ratio of the
+# largest weight counts this much.
+_POWER, _LARGEST = 8, 0.06
 
 
 def _statistics(model: BSDF, technique: Any, mu: Array, r: Array, name: str) -> Array:
     """[variance, largest weight] at scalars mu and r."""
     mean, second, _, largest = moments(model.with_parameters({name: r}), technique, mu, r, nodes=_NODES)
     return jnp.stack([second - mean * mean, largest])
-
-
-def _cost(found: Array, before: Array) -> Array:
-    """What is made small at a point: the variance's ratio, and what either statistic is worse by."""
-    ratio = found / before
-    worse = jnp.maximum(ratio - jnp.array([_SAFE, _LARGEST]), 0.0)
-    return ratio[0] + _WORSE * jnp.sum(worse**2)
 
 
 def _vector(form: LobeForm, mu: Array, r: Array) -> Array:
@@ -48,7 +42,8 @@ def best_lobes(
 ) -> tuple[Array, Array]:
     """a, b, c, d and share of least variance at each of flat points, shape (points, 5), and its ratio.
 
-    The ratio is that of the variance to the variance of `start`; each point is fitted by itself, by BFGS.
+    The ratio is that of the variance to the variance of `start`; each point is fitted by itself, by BFGS. A
+    largest weight beyond 1.1 times that of `start` is penalised.
     """
 
     def one(point: tuple[Array, Array]) -> tuple[Array, Array]:
@@ -62,7 +57,8 @@ def best_lobes(
             return Mixture(lobe, jax.nn.sigmoid(v[4]))
 
         def loss(v: Array, _: Any) -> Array:
-            return _cost(_statistics(model, technique(v), mu, r, name), before)
+            ratio = _statistics(model, technique(v), mu, r, name) / before
+            return ratio[0] + jnp.maximum(ratio[1] - 1.1, 0.0) ** 2
 
         share = jnp.log(first[4] / (1.0 - first[4]))
         origin = jnp.stack([0.0 * mu, first[1], 0.0 * mu, first[3], share])
@@ -103,9 +99,7 @@ def refit_lobe(
     max_steps: int = 30,
     name: str = "diffuse_roughness",
 ) -> LobeForm:
-    """The numbers of a form that minimise the mean of its variance over that of `start`.
-
-    A variance near that of `start` at any of the points is penalised, and a largest weight beyond 1.1 times.
+    """The numbers of a form that make its variance small against that of `start`, most at the worst point.
 
     Args:
         model: the BSDF that is sampled, with the parameter `name`.
@@ -120,12 +114,10 @@ def refit_lobe(
     def residual(numbers: LobeForm, rest: Any) -> Array:
         form = eqx.combine(numbers, rest)
         found = jax.vmap(lambda m, k: _statistics(model, Mixed(form), m, k, name))(mu, r)
-        worse = jnp.maximum(found / before - jnp.array([_SAFE, _LARGEST]), 0.0)
+        ratio = found / before
         # A share below 0 has no meaning.
         negative = jnp.maximum(1e-4 - jax.vmap(form.uniform)(mu, r), 0.0) * 1e3
-        return jnp.concatenate([
-            jnp.sqrt(found[:, 0] / before[:, 0]), jnp.sqrt(_WORSE) * worse.ravel(), negative
-        ])  # fmt: skip
+        return jnp.concatenate([ratio[:, 0] ** _POWER, _LARGEST * ratio[:, 1] ** 6, negative])
 
     lobes, _ = best_lobes(model, start, mu, r, name)
     trials = []

@@ -1,8 +1,9 @@
 """Mean, variance and maximum of the weight f mu_i / p: by integration, and by drawing.
 
-The panels of the integrals end where f bends (theta_i = theta_o, right angles of azimuth) and where a transformed
-cosine's terminator runs, beyond which its density is 0. A density that goes to 0 there where f does not makes
-the second moment diverge as a logarithm: the variance is infinite, and the energy `beyond` is never drawn.
+The panels of the integrals end where f bends (theta_i = theta_o, right angles of azimuth) and where a
+transformed cosine's terminator runs, beyond which its density is 0. A density that goes to 0 there where f
+does not makes the second moment diverge as a logarithm: the variance is infinite, and the energy `beyond` is
+never drawn.
 """
 
 from typing import NamedTuple
@@ -39,7 +40,7 @@ class Weights(NamedTuple):
 
 
 def _panels(ends: Array, nodes: int) -> tuple[Array, Array]:
-    """Nodes and weights between sorted ends, with squares at both sides of each panel, which resolve roots."""
+    """Nodes and weights between sorted ends, with squares at both sides of a panel, which resolve roots."""
     x, w = gauss_legendre(nodes)
     ends = jnp.sort(ends)
     low, high = ends[:-1, None], ends[1:, None]
@@ -61,7 +62,7 @@ def _view(mu: Array) -> tuple[Array, Array]:
 
 
 def moments(
-    model: BSDF, technique: Technique, mu: Array, r: Array, cut: float = 1e-12, nodes: int = _NODES
+    model: BSDF, technique: Technique, mu: Array, r: Array, cut: Array | float = 1e-12, nodes: int = _NODES
 ) -> tuple[Array, Array, Array, Array]:
     """Mean, second moment, energy beyond and largest weight at scalars mu and r; differentiable.
 
@@ -86,7 +87,8 @@ def moments(
             value, density = model.f(wo, wi) * wi[2], technique.pdf(wi, mu, r)
             seen = density > cut
             found = jnp.where(seen, value / jnp.where(seen, density, 1.0), 0.0)
-            parts = jnp.stack([density > 0.0, found, density <= 0.0])
+            reached = jnp.where(density > 0.0, 1.0, 0.0)
+            parts = jnp.stack([reached, found, 1.0 - reached])
             return value * parts, found
 
         values, found = jax.vmap(one)(phi)
@@ -99,7 +101,7 @@ def moments(
 
 
 @eqx.filter_jit
-def _integrated(model: BSDF, technique: Technique, name: str, cut: float, mu: Array, r: Array) -> Weights:
+def _integrated(model: BSDF, technique: Technique, name: str, cut: Array, mu: Array, r: Array) -> Weights:
     def one(point: tuple[Array, Array]) -> Weights:
         made = model.with_parameters({name: point[1]})
         mean, second, beyond, largest = moments(made, technique, *point, cut=cut)
@@ -126,7 +128,7 @@ def integrated(
             infinite otherwise where a density goes to 0 and f does not.
     """
     mu, r = jnp.broadcast_arrays(jnp.asarray(mu, float), jnp.asarray(r, float))
-    found = _integrated(model, technique, name, cut, mu, r)
+    found = _integrated(model, technique, name, jnp.asarray(cut, float), mu, r)
     return Weights(*(v.reshape(mu.shape) for v in found))
 
 

@@ -14,7 +14,8 @@ MATRICES = {
 
 
 def lobe(name: str, clipped: bool) -> TransformedCosine:
-    return TransformedCosine(*map(jnp.asarray, MATRICES[name]), clipped)
+    a, b, c, d = (jnp.asarray(v) for v in MATRICES[name])
+    return TransformedCosine(a, b, c, d, clipped)
 
 
 def sphere(count: int = 200):
