@@ -44,16 +44,22 @@ _G = "sqrt({mu}*{mu} + {alpha}*{alpha}*(1 - mu*mu))"
 # The turn of E at the critical cosine has about the width alpha; 1e-4 keeps w smooth at alpha = 0.
 _W = f"sqrt((mu - {_CRITICAL})*(mu - {_CRITICAL}) + alpha*alpha + 1e-4)"
 
-# The Fresnel factor from inside (s- and p-polarised means, Walter et al. 2007, eq. 22 with the indices swapped) with
-# its kink at mu_c as soft as roughness makes it: mu - mu_c, where positive, is replaced by
-# (d + sqrt(d^2 + alpha^2)) / 2, d = mu - mu_c, written without cancellation. 1e-7, below any alpha of use
-# squared, keeps the root smooth and float32 within reach.
-_IOR = "((1 + sqrt(F0))/(1 - sqrt(F0)))"
+# The Fresnel factor from inside (Walter et al. 2007, eq. 22 with the indices swapped), its kink at mu_c as
+# soft as roughness makes it. cos(theta_t) is ior sqrt((mu - mu_c)(mu + mu_c)); for d = mu - mu_c stands
+# h = (d + sqrt(d^2 + W)) / 2, W = alpha^2 (1 - mu^2), written without cancellation, then h^3 / (h^2 + 2 W):
+# far below mu_c a rough surface passes light as alpha^4 / |d|^3 under the root, by the tail of GGX. 1e-7,
+# below the square of any alpha of use, keeps the roots smooth.
 _D = f"(mu - {_CRITICAL})"
-_SOFT = f"(max({_D}, 0) + 0.5*(alpha*alpha + 1e-7)/(abs({_D}) + sqrt({_D}*{_D} + alpha*alpha + 1e-7)))"
-_REFRACTED = f"({_IOR}*sqrt({_SOFT}*(mu + {_CRITICAL})))"
-_RS = f"(({_IOR}*mu - {_REFRACTED})/({_IOR}*mu + {_REFRACTED}))"
-_RP = f"((mu - {_IOR}*{_REFRACTED})/(mu + {_IOR}*{_REFRACTED}))"
+_WIDTH = "(alpha*alpha*(1 - mu*mu) + 1e-7)"
+_H = f"(max({_D}, 0) + 0.5*{_WIDTH}/(abs({_D}) + sqrt({_D}*{_D} + {_WIDTH})))"
+_SOFT = f"({_H}*{_H}*{_H}/({_H}*{_H} + 2*{_WIDTH}))"
+# cos(theta_t) / ior; 1e-20 keeps it from 0 / 0 at mu = mu_c = 0.
+_REFRACTED = f"sqrt({_SOFT}*(mu + {_CRITICAL}) + 1e-20)"
+_INVERSE = "((1 - sqrt(F0))/(1 + sqrt(F0)))"
+# g in the place of mu: the cosine at the facets that a rough surface shows at grazing.
+_FACET = _G.format(mu="mu", alpha="alpha")
+_RS = f"(({_FACET} - {_REFRACTED})/({_FACET} + {_REFRACTED}))"
+_RP = f"(({_INVERSE}*{_INVERSE}*{_FACET} - {_REFRACTED})/({_INVERSE}*{_INVERSE}*{_FACET} + {_REFRACTED}))"
 
 FEATURES: dict[str, Feature] = {
     f.name: f

@@ -191,6 +191,9 @@ HEADS: dict[str, Head] = {
              limits="E = 1 at alpha = 0 and at mu = 0"),
         Head("masking", ({"alpha": 2.0, "s": 1.0},), "G1 + X", (), _ONE, "T - X",
              limits="E = 1 at alpha = 0, E = G1 at F0 = 0"),
+        # Straight through an interface of equal indices: G2 / G1 = (1 + L) / (1 + 2 L), L = Lambda(wo).
+        Head("masking-correlated", ({"alpha": 2.0, "s": 1.0},), "1/(2 - G1) + X", (), _ONE, "T/(2 - G1) - X",
+             limits="E = 1 at alpha = 0, E = 1 / (2 - G1) at F0 = 0"),
         Head("masking-root", ({"alpha": 2.0, "v": 1.0},), "G1 + X", (), _ONE, "T - X",
              limits="E = 1 at alpha = 0, E = G1 at F0 = 0"),
         Head("schlick-b", ({"alpha": 2.0, "u": 1.0},), "u**5 - X", (), {}, "1 - u**5 + X", {"u": 1.0},

@@ -56,7 +56,7 @@ def test_the_scaled_feature_is_finite_and_non_negative_up_to_the_corner(name: st
 def test_the_order_is_the_power_of_rho_along_a_ray(name: str):
     """Against the plain formula alone: f(rho / 2) / f(rho) at the corner, F0 = 0 apart."""
     near = []
-    for e in (1e-8, 5e-9):
+    for e in (1e-15, 5e-16):
         at = {"alpha": 0.3 * e, "mu": 0.7 * e, "F0": 0.3, "ior": 1.7}
         near.append(value(plain(name), {n: np.array(v) for n, v in at.items()}))
     assert near[1] / near[0] == pytest.approx(0.5 ** FEATURES[name].order, rel=1e-6)
