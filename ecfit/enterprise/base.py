@@ -2,8 +2,6 @@
 
 from typing import ClassVar
 
-import equinox as eqx
-
 from ecfit._jax import jax, jnp
 from ecfit.bsdf.sheen import inverted_gaussian
 from ecfit.enterprise.energies import Albedos, remaining, specular_rule
@@ -91,10 +89,4 @@ class Base(Lobe):
 
         lobes = jax.vmap(jax.vmap(sheen, (None, None, 0)), (0, 0, None))(s_i, mu_i, phi)
         values = self._plain / jnp.pi + (1.0 - self._plain) * lobes
-        found = integrate(polar[:, None] * values * dphi, rule, rule)
-        return found
-
-
-def tinted(albedos: Albedos, f0: Array) -> Albedos:
-    """The same source at another F0."""
-    return eqx.tree_at(lambda a: a.F0, albedos, f0)
+        return integrate(polar[:, None] * values * dphi, rule, rule)

@@ -1,8 +1,9 @@
 """The metallic BSDF: the microfacet lobe with Schlick's factor and its multiple scattering."""
 
+import abc
 from typing import ClassVar
 
-from ecfit._jax import jax
+from ecfit._jax import jax, jnp
 from ecfit.bsdf import BSDF, option, parameter, register
 from ecfit.enterprise.energies import ENERGIES, ENERGY_DOC, Albedos
 from ecfit.enterprise.lobes import Lobe, MultipleScattering, Specular, schlick
@@ -15,9 +16,9 @@ Array = jax.Array
 class Lobes(BSDF):
     """A model that is a weighted sum of lobes; what it is a sum of is all that a subclass says."""
 
+    @abc.abstractmethod
     def lobes(self) -> tuple[tuple[Array, Lobe], ...]:
         """(weight, lobe) pairs; the weights do not depend on directions."""
-        raise NotImplementedError
 
     def f(self, wo: Array, wi: Array) -> Array:
         (weight, first), *rest = self.lobes()
@@ -59,6 +60,6 @@ class Metallic(Lobes):
         albedos = self.albedos()
         level = MultipleScattering.default_level
         return (
-            (self.F0 * 0.0 + 1.0, Specular(self.alpha, self.fresnel_factor())),
+            (jnp.ones_like(self.F0), Specular(self.alpha, self.fresnel_factor())),
             (albedos.F_ms(self.F0, self.F90, level), MultipleScattering(albedos)),
         )

@@ -103,8 +103,10 @@ def test_a_white_opaque_dielectric_keeps_all_energy():
     [
         Metallic(alpha=0.5, F0=0.7, energy="printed"),
         Opaque(alpha=0.5, b=0.4, s=0.8, rho=0.9, energy="printed"),
-        Transparent(alpha=0.5, s=0.9, rho=0.8, energy="printed"),
-        EnterprisePBR(alpha=0.6, m=0.3, t=0.4, b=0.5, rho=0.7, energy="printed"),
+        pytest.param(Transparent(alpha=0.5, s=0.9, rho=0.8, energy="printed"), marks=pytest.mark.slow),
+        pytest.param(
+            EnterprisePBR(alpha=0.6, m=0.3, t=0.4, b=0.5, rho=0.7, energy="printed"), marks=pytest.mark.slow
+        ),
     ],
     ids=lambda m: type(m).__name__,
 )
