@@ -1,7 +1,7 @@
 """Quadrature: ever finer rules for the albedo integral, and their refinement with error estimates."""
 
-from ecfit.quadrature.facets import FacetPairs as FacetPairs
 from ecfit.quadrature.anisotropic import AnisotropicReflection as AnisotropicReflection
+from ecfit.quadrature.facets import FacetPairs as FacetPairs
 from ecfit.quadrature.half_vector import HalfVectorReflection as HalfVectorReflection
 from ecfit.quadrature.half_vector import ThinInterface as ThinInterface
 from ecfit.quadrature.hemisphere import Hemisphere as Hemisphere
