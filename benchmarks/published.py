@@ -176,7 +176,7 @@ def limits(contract: Contract, points: Points) -> tuple[np.ndarray | float, np.n
     if contract.quantity == "zonal-moment":
         return None
     if contract.transport == "radiance" and contract.options.get("side") == "leaving":
-        return 0.0, np.asarray(resolve(("ior",), points)["ior"]) ** 2
+        return 0.0, np.asarray(resolve(("ior",), {"F0": points["F0"]})["ior"]) ** 2
     return 0.0, 1.0
 
 
