@@ -159,13 +159,16 @@ def place(at: Mapping[str, float]) -> str:
 
 
 def closed(formula: Approximation) -> Points:
-    """A grid over the whole closed domain, at most `VALUES` points; F0 below 1, where ior is finite."""
+    """A grid over the whole closed domain, at most `VALUES` points, denser towards the lower ends.
+
+    F0 ends below 1, where ior is finite.
+    """
     count = min(4001, int(VALUES ** (1 / len(formula.variables)) + 1e-9))
     ends = [
         (low, min(high, 0.999) if name == "F0" else high)
         for name, (low, high) in zip(formula.variables, formula.domain, strict=True)
     ]
-    grid = np.meshgrid(*(np.linspace(low, high, count) for low, high in ends), indexing="ij")
+    grid = np.meshgrid(*(low + (high - low) * np.linspace(0.0, 1.0, count) ** 2 for low, high in ends), indexing="ij")
     return {n: g.ravel() for n, g in zip(formula.variables, grid, strict=True)}
 
 
@@ -200,8 +203,14 @@ def outside(formula: Approximation) -> str:
         excess = np.where(broken, -np.inf, sign * (value - limit))
         i = int(np.argmax(excess))
         if excess[i] > SLACK:
-            note = " (limit ior^2)" if isinstance(limit, np.ndarray) else ""
-            found.append(f"{value[i]:.3g}{note} at {place({n: float(p[i]) for n, p in points.items()})}")
+            note = f" (limit {limit[i]:.3g})" if isinstance(limit, np.ndarray) else ""
+            near = not note and limit == 1.0 and excess[i] < 0.005
+            shown = f"1 + {excess[i]:.0e}" if near else f"{value[i]:.3g}"
+            found.append(f"{shown}{note} at {place({n: float(p[i]) for n, p in points.items()})}")
+    least = formula.smallest_denominator()
+    if least.value <= 0.0:
+        where = dict(zip(formula.variables, least.place, strict=True))
+        found.append(f"pole: Q = {least.value:.2g} at {place(where)}")
     return "; ".join(found) or "no"
 
 
@@ -212,7 +221,9 @@ def number(error: float) -> str:
 
 def percent(deviation: float) -> str:
     """A furnace's deviation."""
-    return "infinite" if np.isinf(deviation) else f"{deviation:.2%}"
+    if deviation >= 1.0:
+        return "over 100%"
+    return f"{deviation:.2%}"
 
 
 def row(formula: Approximation, points: Points, truth: Scattered | str) -> tuple[str, ...]:
