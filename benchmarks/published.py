@@ -168,7 +168,9 @@ def closed(formula: Approximation) -> Points:
         (low, min(high, 0.999) if name == "F0" else high)
         for name, (low, high) in zip(formula.variables, formula.domain, strict=True)
     ]
-    grid = np.meshgrid(*(low + (high - low) * np.linspace(0.0, 1.0, count) ** 2 for low, high in ends), indexing="ij")
+    grid = np.meshgrid(
+        *(low + (high - low) * np.linspace(0.0, 1.0, count) ** 2 for low, high in ends), indexing="ij"
+    )
     return {n: g.ravel() for n, g in zip(formula.variables, grid, strict=True)}
 
 
