@@ -84,7 +84,7 @@ class ChartDomain:
         `ecfit.expressions.bounds.smallest`. The place is in the order of `box`.
         """
         found = []
-        for piece in pieces(self.box):
+        for piece in pieces(self.box, node):
             known = {piece.rooted(n): floor for n, floor in (floors or {}).items()}
             low = smallest(
                 piece.rooted(node),

@@ -3,7 +3,8 @@
 With alpha or mu to a half power a form's slope is infinite at t = 0, m = 0 or rho = 0, and interval bounds
 by first derivatives fail there. In x = sqrt(t) and y = sqrt(rho) such a form is a polynomial again. t and
 m = 1 - t cannot both be squares, so the chart is covered by two pieces: t <= 1/2 with t = x^2, and m <= 1/2
-with m = x^2. F0, of which features take fourth roots, is x^4 in both.
+with m = x^2. F0, of which features take fourth roots, is x^4 where an expression has a root of it; elsewhere
+it stays as it is, as 1 - x^4 is not exactly >= 0 when rounded outward.
 """
 
 from collections.abc import Mapping
@@ -62,28 +63,32 @@ class Piece:
         return out
 
 
-def pieces(box: Mapping[str, Range]) -> list[Piece]:
-    """The pieces that cover a box of the chart."""
+def pieces(box: Mapping[str, Range], node: Node) -> list[Piece]:
+    """The pieces that cover a box of the chart, for an expression."""
+    orders = {"t": 2, "rho": 2}
+    if any(n.op == "sqrt" and n.args[0] is var("F0") for n in topological([node])):
+        orders["F0"] = 4
     if "t" not in box:
-        return [Piece(_roots(box), False)]
+        return [Piece(_roots(box, orders), False)]
     low, high = box["t"]
     out = []
     if low <= 0.5:
-        out.append(Piece(_roots({**box, "t": (low, min(high, 0.5))}), False))
+        out.append(Piece(_roots({**box, "t": (low, min(high, 0.5))}, orders), False))
     if high > 0.5:
-        out.append(Piece(_roots({**box, "t": (max(1.0 - high, 0.0), min(1.0 - low, 0.5))}), True))
+        mirrored = max(1.0 - high, 0.0), min(1.0 - low, 0.5)
+        out.append(Piece(_roots({**box, "t": mirrored}, orders), True))
     return out
 
 
-def _roots(box: Mapping[str, Range]) -> dict[str, Range]:
+def _roots(box: Mapping[str, Range], orders: Mapping[str, int]) -> dict[str, Range]:
     """Ranges of the roots, rounded outward; other coordinates as they are."""
-    orders = {"t": 2, "rho": 2, "F0": 4}
-    return {
-        _PREFIX + n if n in orders else n: (_root(r[0], orders[n], -1), _root(r[1], orders[n], 1))
-        if n in orders
-        else r
-        for n, r in box.items()
-    }
+    out = {}
+    for name, (low, high) in box.items():
+        if name in orders:
+            out[_PREFIX + name] = _root(low, orders[name], -1), _root(high, orders[name], 1)
+        else:
+            out[name] = low, high
+    return out
 
 
 def _root(x: float, order: int, towards: int) -> float:

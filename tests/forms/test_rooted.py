@@ -37,7 +37,7 @@ def test_every_point_of_the_box_lies_in_a_piece_with_the_same_value(t, rho, f0, 
     ends = zip(box.values(), (a, b, c, 0.5), strict=True)
     at = {n: np.float64(lo + u * (hi - lo)) for n, ((lo, hi), u) in zip(box, ends, strict=True)}
     held = 0
-    for piece in pieces(box):
+    for piece in pieces(box, MIXED):
         roots = _roots(piece, at)
         if all(low - 1e-12 <= x <= high + 1e-12 for x, low, high in roots.values()):
             held += 1
@@ -50,14 +50,14 @@ def test_every_point_of_the_box_lies_in_a_piece_with_the_same_value(t, rho, f0, 
 
 @given(RANGES)
 def test_ends_are_rounded_outward(ends):
-    for piece in pieces({"rho": ends, "F0": ends}):
+    for piece in pieces({"rho": ends, "F0": ends}, MIXED):
         (rho, f0) = piece.box.values()
         assert rho[0] ** 2 <= ends[0] <= ends[1] <= rho[1] ** 2
         assert f0[0] ** 4 <= ends[0] <= ends[1] <= f0[1] ** 4
 
 
 def test_no_root_is_left_of_what_the_piece_has_roots_of():
-    first, second = pieces({"t": UNIT, "rho": (0.0, 2.0), "F0": UNIT, "ior": (1.0, 2.0)})
+    first, second = pieces({"t": UNIT, "rho": (0.0, 2.0), "F0": UNIT, "ior": (1.0, 2.0)}, MIXED)
     assert not first.mirrored
     assert second.mirrored
     for piece in (first, second):
@@ -84,3 +84,9 @@ def test_one_coordinate_alone():
     assert found.value == pytest.approx(0.16, abs=1e-3)
     assert found.bound <= 0.16
     assert found.place == pytest.approx((1.0, 0.04), abs=1e-9)
+
+
+def test_a_coordinate_without_roots_stays_exact():
+    node = parse("1 - F0 + 0*sqrt(t)", NAMES)
+    assert "F0" in pieces({"t": UNIT, "rho": UNIT, "F0": UNIT}, node)[0].box
+    assert ChartDomain.of({"alpha": UNIT, "mu": UNIT, "F0": UNIT}).smallest(node).bound >= 0.0
