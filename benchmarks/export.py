@@ -22,7 +22,7 @@ HEADER = ("fit", "operations", "within 4 ulps", "95 %", "worst", "worst at edges
 def table(names: list[str], count: int) -> str:
     """Rows for fits by name; all are compiled into one library.
 
-    95 % and worst are in ulps at `count` points uniform in the arguments; the edges are as many points of which
+    95 % and worst are in ulps at `count` points uniform in the arguments; edges are as many points of which
     half the arguments are at an end of the domain or near the lower one. The difference is of both.
     """
     fits = [find(name) for name in names]
