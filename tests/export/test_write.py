@@ -8,20 +8,27 @@ from ecfit.export import code
 from ecfit.files import write_json
 
 
+def run(*arguments: str) -> None:
+    """The command, which ends with exit code 0."""
+    with pytest.raises(SystemExit) as stopped:
+        main(["export", *arguments])
+    assert stopped.value.code == 0
+
+
 def test_printed_and_written_are_the_same(tmp_path, capsys):
-    main(["export", "conductor-7", "--lang", "hlsl", "--coordinates", "r", "--factor", "--derivative", "mu"])
+    run("conductor-7", "--lang", "hlsl", "--coordinates", "r", "--factor", "--derivative", "mu")
     printed = capsys.readouterr().out
     expected = code(find("conductor-7"), "hlsl", coordinates=("r",), factor=True, derivative="mu")
     assert printed == expected
     path = tmp_path / "sub" / "E.hlsl"
-    main(["export", "conductor-7", "--lang", "hlsl", "--name", "E", "--output", str(path)])
+    run("conductor-7", "--lang", "hlsl", "--name", "E", "--output", str(path))
     assert path.read_text() == code(find("conductor-7"), "hlsl", name="E")
     assert str(path) in capsys.readouterr().out
 
 
 def test_a_file_of_a_fit(tmp_path, capsys):
     write_json(tmp_path / "mine.json", find("conductor-7").to_dict())
-    main(["export", str(tmp_path / "mine.json"), "--lang", "wgsl"])
+    run(str(tmp_path / "mine.json"), "--lang", "wgsl")
     out = capsys.readouterr().out
     assert "fn conductor_7(mu: f32, alpha: f32) -> f32 {" in out
     assert "not measured here" in out
