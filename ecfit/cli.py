@@ -357,6 +357,51 @@ def certify(fit: str, *, samples: int = 20_000, seed: int = 1, output: Path | No
 
 
 @app.command
+def export(
+    fit: str,
+    *,
+    lang: str,
+    name: str | None = None,
+    output: Path | None = None,
+    coordinates: str = "",
+    clamp: bool = False,
+    factor: bool = False,
+    least: float | None = None,
+    derivative: str = "",
+) -> None:
+    """Write a fit as source code of a language, with its contract in a comment.
+
+    Parameters
+    ----------
+    fit
+        A published or shipped fit by name (`ecfit list` shows them), a fit's JSON file, or a table (NPZ).
+    lang
+        glsl, hlsl, wgsl, msl, slang, osl, c, cpp, python, or materialx: a library of several files.
+    name
+        Of the function; by default the fit's.
+    output
+        File to write, folder for materialx; without, the code is printed.
+    coordinates
+        Views that it takes, separated by commas: r or alpha, F0 or ior. By default those of the fit.
+    clamp
+        Clamp the arguments to the domain.
+    factor
+        Also a function for 1 / E, and for conductors one for 1 + F0 (1 / E - 1) with a colour F0.
+    least
+        E is raised to this where 1 / E is meant; 1/32 by default.
+    derivative
+        Also a function for the slope by this argument.
+    """
+    from ecfit.export import Options, source, write
+
+    views = tuple(v.strip() for v in coordinates.split(",") if v.strip())
+    approximation, evidence = source(fit)
+    given = {} if least is None else {"least": least}
+    options = Options(name, views, clamp, factor, derivative=derivative, evidence=evidence, **given)
+    print(write(approximation, lang, options, output))
+
+
+@app.command
 def ship(config: Path, *, output: Path, results: Path = Path("results"), samples: int = 20_000) -> None:
     """Certify the named fits of a finished study and write those that are granted, one file each.
 

@@ -5,9 +5,10 @@ from collections.abc import Mapping, Sequence
 from weakref import WeakValueDictionary
 
 # Operations and their number of arguments. `const` holds a value, `var` a name, `pow` its constant exponent.
+# `step` comes from derivatives of limits only: intervals have no rule for it.
 ARITY = {
     "const": 0, "var": 0, "neg": 1, "sqrt": 1, "exp": 1, "exp2": 1, "log": 1, "abs": 1, "pow": 1,
-    "add": 2, "sub": 2, "mul": 2, "div": 2, "min": 2, "max": 2,
+    "add": 2, "sub": 2, "mul": 2, "div": 2, "min": 2, "max": 2, "step": 2,
 }  # fmt: skip
 
 
@@ -115,6 +116,11 @@ def maximum(x: "Node | float", y: "Node | float") -> Node:
     return _make("max", _node(x), _node(y))
 
 
+def step(x: "Node | float", edge: "Node | float") -> Node:
+    """1 where x >= edge, else 0."""
+    return _make("step", _node(x), _node(edge))
+
+
 def unary(op: str, x: "Node | float") -> Node:
     """exp, exp2, log or abs of x."""
     return _make(op, _node(x))
@@ -201,6 +207,28 @@ def replaced(root: Node, replacements: Mapping[Node, Node]) -> Node:
             found = rebuild(node.op, [done[id(a)] for a in node.args], node.value, node.name)
         done[id(node)] = found
     return done[id(root)]
+
+
+def with_roots(root: Node, put: Mapping[Node, Node]) -> Node:
+    """The expression with subexpressions replaced, and sqrt(x x) written x where a replacement has x x.
+
+    For replacements such as F0 = s s with s >= 0.
+    """
+    squares = {}
+    for made in put.values():
+        for part in topological([made]):
+            if part.op == "mul" and part.args[0] is part.args[1]:
+                squares[part] = part.args[0]
+    done: dict[Node, Node] = {}
+    for node in topological([root]):
+        if node in put:
+            done[node] = put[node]
+        elif node.op == "sqrt":
+            inner = done[node.args[0]]
+            done[node] = squares[inner] if inner in squares else sqrt(inner)
+        else:
+            done[node] = rebuild(node.op, [done[a] for a in node.args], node.value, node.name)
+    return done[root]
 
 
 def inputs(root: Node) -> set[str]:

@@ -190,6 +190,17 @@ class Structure:
             return substitute(node, {"mu": mu})
         return node
 
+    def landmarks(self, coefficients: np.ndarray) -> dict[str, Node]:
+        """Features, Q and what the head defines as parts of `expression`, by name."""
+        known: dict[str, Node] = {"q": self.divisor(coefficients)}
+        for name in (*self.features, *self.head.features):
+            known[name] = self._evaluated((scaled if self.charted else plain)(name))
+        if self.charted:
+            return known | {name: self._evaluated(var(name)) for name in ("t", "m", "rho")}
+        *numerators, q = self.polynomials(coefficients)
+        lets = self.head.definitions([p / q for p in numerators])
+        return known | {name: self._evaluated(node) for name, node in lets.items()}
+
     def denominator_expression(self, coefficients: np.ndarray) -> Node:
         """Q in the coordinates."""
         return self.polynomials(coefficients)[-1]
