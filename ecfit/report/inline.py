@@ -1,0 +1,35 @@
+"""Matplotlib's SVG made part of a page: smaller, in the page's colours and font, its ids unique."""
+
+import html
+import re
+
+from ecfit.report.style import COLOURS, INK
+
+# The colours of `style.COLOURS` as the page names them: it has others where it is dark.
+_NAMED = {name: f"var(--{name})" for name in ("polynomial", "rational", "other", "table")}
+_THEME = {
+    INK: "currentColor",
+    "#ffffff": "var(--paper)",
+    **{COLOURS[name].lower(): variable for name, variable in _NAMED.items()},
+}
+
+
+def inline(svg: bytes, prefix: str, label: str) -> str:
+    """An SVG file as an element: ids start with `prefix`, and `label` is what a screen reader says."""
+    text = svg.decode("utf-8")
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.S)
+    # A style sheet within would hold for the whole page; its two rules are in the page's own.
+    text = re.sub(r"<style.*?</style>", "", text, flags=re.S)
+    # Hundredths of a point are not seen, but weigh a third of the page; names of fonts another.
+    text = re.sub(r"(\d\.\d\d)\d+", r"\1", text)
+    text = re.sub(r"font-family: [^;\"]+;? ?", "", text)
+    text = re.sub(r"(font: \d[^ ]*) [^;\"]+", r"\1 sans-serif", text)
+    text = re.sub(r">\s+<", "><", text)
+    text = re.sub(r"\s*\n\s*", " ", text)
+    for colour, themed in _THEME.items():
+        text = re.sub(re.escape(colour) + r"\b", themed, text, flags=re.I)
+    used = set(re.findall(r'(?:url\(#|href="#)([^")]+)', text))
+    text = re.sub(r' id="([^"]+)"', lambda m: f' id="{prefix}{m[1]}"' if m[1] in used else "", text)
+    text = re.sub(r'(url\(#|href="#)', lambda m: m[1] + prefix, text)
+    return text.replace("<svg", f'<svg role="img" aria-label="{html.escape(label)}"', 1)
