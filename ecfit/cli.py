@@ -99,6 +99,29 @@ def report(config: Path, *, results: Path = Path("results")) -> None:
 
 
 @app.command
+def compare(old: Path, new: Path, *, tolerance: float = 0.01, coefficients: float = 1e-6) -> None:
+    """Say what changed between two results folders of a study: tables, fits, errors, published results.
+
+    Exits with 1 where a fit got worse, or a table, fit or published result is gone.
+
+    Parameters
+    ----------
+    old, new
+        Folders such as results/paper.
+    tolerance
+        Relative change of an error that counts.
+    coefficients
+        Change of a coefficient that counts, in units of the largest of its fit.
+    """
+    from ecfit.compare import compare as compare_
+
+    found = compare_(old, new, tolerance=tolerance, coefficients=coefficients)
+    print("\n".join(found.describe()))
+    if found.worse:
+        raise SystemExit(1)
+
+
+@app.command
 def table(
     model: str,
     *,

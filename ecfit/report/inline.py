@@ -12,6 +12,8 @@ _THEME = {
     "#ffffff": "var(--paper)",
     **{COLOURS[name].lower(): variable for name, variable in _NAMED.items()},
 }
+# Of a figure that fills the page, in points (9.6 inches).
+_FULL_WIDTH = 691.2
 
 
 def inline(svg: bytes, prefix: str, label: str) -> str:
@@ -21,7 +23,7 @@ def inline(svg: bytes, prefix: str, label: str) -> str:
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.S)
     # A style sheet within would hold for the whole page; its two rules are in the page's own.
     text = re.sub(r"<style.*?</style>", "", text, flags=re.S)
-    # Hundredths of a point are not seen, but weigh a third of the page; names of fonts another.
+    # Hundredths of a point are not seen, but weigh a third of the page; names of fonts and ids another.
     text = re.sub(r"(\d\.\d\d)\d+", r"\1", text)
     text = re.sub(r"font-family: [^;\"]+;? ?", "", text)
     text = re.sub(r"(font: \d[^ ]*) [^;\"]+", r"\1 sans-serif", text)
@@ -29,7 +31,13 @@ def inline(svg: bytes, prefix: str, label: str) -> str:
     text = re.sub(r"\s*\n\s*", " ", text)
     for colour, themed in _THEME.items():
         text = re.sub(re.escape(colour) + r"\b", themed, text, flags=re.I)
-    used = set(re.findall(r'(?:url\(#|href="#)([^")]+)', text))
-    text = re.sub(r' id="([^"]+)"', lambda m: f' id="{prefix}{m[1]}"' if m[1] in used else "", text)
-    text = re.sub(r'(url\(#|href="#)', lambda m: m[1] + prefix, text)
-    return text.replace("<svg", f'<svg role="img" aria-label="{html.escape(label)}"', 1)
+    text = re.sub(r"<!--.*?-->| transform=\"rotate\(-0 [^\"]*\"", "", text, flags=re.S)
+    used = list(dict.fromkeys(re.findall(r'(?:url\(#|href="#)([^")]+)', text)))
+    ids = {name: f"{prefix}{i}" for i, name in enumerate(used)}
+    text = re.sub(r' id="([^"]+)"', lambda m: f' id="{ids[m[1]]}"' if m[1] in ids else "", text)
+    text = re.sub(r'(url\(#|href="#)([^")]+)', lambda m: m[1] + ids[m[2]], text)
+    # As wide as the page only where it was drawn so wide: text has one size in all.
+    width = re.search(r'width="([\d.]+)pt"', text)
+    share = min(100.0, 100.0 * float(width[1]) / _FULL_WIDTH) if width else 100.0
+    said = f'<svg role="img" aria-label="{html.escape(label)}" style="max-width: {share:.0f}%"'
+    return text.replace("<svg", said, 1)

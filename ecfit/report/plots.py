@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from ecfit.approximation import Approximation
 from ecfit.errors import EcfitError, unknown
@@ -178,6 +179,9 @@ def against_cost(axes: Axes, rows: Sequence[Entry], by: By) -> None:
             axes.plot(x, y, marker=marker, markersize=size + 3.0, markerfacecolor="none", linestyle="none",
                       markeredgecolor=colour, label=f"{label}: pole or not converged")  # fmt: skip
     axes.set(xscale="log", yscale="log", ylabel="RMS error")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel("numbers to store" if by == "coefficients" else "operations, in multiply-adds")
     axes.grid(True, which="major", alpha=0.3)
 
@@ -224,8 +228,8 @@ def curve(axes: Axes, table: Table, values: np.ndarray, label: str = "", **style
     axes.set_xlabel(table.axes[0].name)
 
 
-# Five steps of viridis that are told apart on white and on black.
-SHADES = ("#482878", "#31688E", "#1F9E89", "#6DCD59", "#E3A008")
+# Cold to warm, after Okabe & Ito 2008, each with a contrast of 3 : 1 on white and on black.
+SHADES = ("#0072B2", "#3E9BD6", "#009E73", "#C98500", "#D55E00")
 
 
 def _indices(table: Table, at: At | None) -> tuple[int, ...]:

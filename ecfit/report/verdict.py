@@ -63,7 +63,8 @@ def sentences(of: Sequence[Entry]) -> list[str]:
     """The verdict in words: our best fit and its furnace, and how it stands to the best published one."""
     fits = [e for e in of if e.kind == "fit"]
     others = [e for e in of if e.kind == "published"]
-    ours, theirs = best(fits), best(others)
+    ours = best(fits)
+    theirs = best([e for e in others if not e.otherwise]) or best(others)
     out = []
     if not fits:
         out.append("No fits were asked for.")
@@ -87,21 +88,29 @@ def _account(entry: Entry) -> str:
         return f"{said}."
     mean, most = entry.furnace
     return (
-        f"{said}; a white furnace normalised with it deviates by {100 * mean:.2g} % on average and "
-        f"{100 * most:.2g} % at worst."
+        f"{said}; a white furnace normalised with it deviates by {percentage(mean)} on average and "
+        f"{percentage(most)} at worst."
     )
 
 
+def percentage(x: float) -> str:
+    """A part in per cent, two digits of it: "0.21 %", "730 %"."""
+    return f"{100.0 * x:.2g} %" if 100.0 * x < 99.5 else f"{100.0 * x:.0f} %"
+
+
 def _beside(theirs: Entry, rivals: Sequence[Entry]) -> str:
-    conventions = f" (in other conventions: {', '.join(theirs.otherwise)})" if theirs.otherwise else ""
-    said = f"Of published approximations {theirs.name}{conventions}, {theirs.count} numbers, comes nearest: "
-    said += f"RMSE {theirs.errors.rmse:.2e}"
+    """How the best published approximation stands to ours; no rival where it was made for something else."""
+    said = f"RMSE {theirs.errors.rmse:.2e}"
+    if theirs.otherwise:
+        made = ", ".join(theirs.otherwise)
+        return f"The published {theirs.name} was made for {made}: {said} on this table, and no comparison."
+    said = f"Of published approximations {theirs.name}, {theirs.count} numbers, comes nearest: {said}"
     ours = best(rivals)
     if ours is None or ours.errors.rmse <= 0.0:
         return f"{said}."
     ratio = theirs.errors.rmse / ours.errors.rmse
-    how = f"{ratio:.3g} times less" if ratio >= 1.0 else f"{1 / ratio:.3g} times more"
-    return f"{said}; with no more numbers {ours.name} ({ours.count}) has {how}."
+    how = f"{ratio:.3g} times smaller" if ratio >= 1.0 else f"{1 / ratio:.3g} times larger"
+    return f"{said}; with no more numbers {ours.name} ({ours.count}) has one {how}."
 
 
 def prover(folder: Path) -> Prover:

@@ -22,7 +22,7 @@ from ecfit.report.inline import inline
 from ecfit.report.maps import Maps, maps
 from ecfit.report.slices import slices
 from ecfit.report.style import rendered
-from ecfit.report.verdict import Choice, Proved, Prover, choices, prover, sentences
+from ecfit.report.verdict import Choice, Proved, Prover, choices, percentage, prover, sentences
 from ecfit.tables import Table
 
 # Characters of code that a page has of one approximation at most: its big ones are exported from the shell.
@@ -191,7 +191,7 @@ def _drawings(
     )
 
 
-def _written(drawing: _Drawing, folder: Path, kinds: Sequence[str]) -> _Picture:
+def _written(drawing: _Drawing, folder: Path, kinds: Sequence[str], prefix: str) -> _Picture:
     """The picture of a drawing for the page, after its files are written."""
     files = {kind: rendered(drawing.figure, kind) for kind in kinds}
     for kind, content in files.items():
@@ -200,11 +200,11 @@ def _written(drawing: _Drawing, folder: Path, kinds: Sequence[str]) -> _Picture:
     svg = ""
     if drawing.page:
         content = files.get("svg") or rendered(drawing.figure, "svg")
-        svg = inline(content, f"{drawing.stem}-", drawing.caption)
+        svg = inline(content, prefix, drawing.caption)
     return _Picture(drawing.stem, drawing.caption, svg, drawing.page == "first")
 
 
-def _section(study: StudyLike, name: str, table: Table, prove: Prover) -> _Section:
+def _section(study: StudyLike, number: int, name: str, table: Table, prove: Prover) -> _Section:
     fits, published = study.fits.get(name, []), study.published.get(name, [])
     rows = entries(table, fits, published)
     chosen = choices(rows, prove)
@@ -219,7 +219,7 @@ def _section(study: StudyLike, name: str, table: Table, prove: Prover) -> _Secti
         rows,
         sentences(rows),
         [_Chosen(c.budget, c.allowance, c.entry, c.proved, _codes(c)) for c in chosen],
-        [_written(d, study.folder / "figures", kinds) for d in drawings],
+        [_written(d, study.folder / "figures", kinds, f"s{number}f{i}-") for i, d in enumerate(drawings)],
         slices(table, drawn),
         drawn.index(foremost) if foremost is not None else 0,
         maps(table, rows),
@@ -242,7 +242,7 @@ def write_report(study: StudyLike) -> None:
         undefined=jinja2.StrictUndefined,
     )
     prove = prover(study.folder)
-    sections = [_section(study, name, table, prove) for name, table in study.tables.items()]
+    sections = [_section(study, i, name, t, prove) for i, (name, t) in enumerate(study.tables.items())]
     rows = [row for section in sections for row in section.rows]
     ours = sum(row.kind == "fit" for row in rows)
     kind = study.config.report.figures[0] if study.config.report.figures else None
@@ -253,6 +253,7 @@ def write_report(study: StudyLike) -> None:
         "warnings": study.warnings(),
         "image": kind,
         "infinity": float("inf"),
+        "percentage": percentage,
         "css": environment.get_template("report.css").render(),
         "js": environment.get_template("report.js").render(),
     }

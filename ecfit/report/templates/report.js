@@ -149,7 +149,7 @@
         slider.setAttribute("aria-valuetext", text);
       });
       start *= curves * points;
-      const s = series[Number(choice ? choice.value : 0)];
+      const s = series[Number(choice.value)];
       plot.replaceChildren();
       const where = sliders.map((slider) => slider.getAttribute("aria-valuetext")).join(", ");
       const svg = draw(plot, "svg", { viewBox: `0 0 960 ${s ? 520 : 340}`, role: "img", "font-size": 13, fill: "currentColor",
@@ -179,7 +179,9 @@
       if (s) draw(svg, "text", { x: 832, y: 26 + 20 * curves + 8, class: "tick" }, "line: truth");
       if (s) draw(svg, "text", { x: 832, y: 26 + 20 * curves + 26, class: "tick" }, "rings: fit");
     };
-    [...sliders, choice].forEach((control) => control && control.addEventListener("input", update));
+    for (const control of [...sliders, choice]) {
+      for (const event of ["input", "change"]) control.addEventListener(event, update);
+    }
     root.hidden = false;
     update();
   };
