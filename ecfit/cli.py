@@ -77,6 +77,23 @@ def run(
 
 
 @app.command
+def init(output: Path = Path("study.toml"), *, like: str = "starter") -> None:
+    """Write a study file with comments to start from; a file that exists is never overwritten.
+
+    Parameters
+    ----------
+    output
+        The TOML file to write; the study is named after it.
+    like
+        starter, or a study that comes with ecfit: quick, conductor, paper, search, ...
+    """
+    from ecfit.starter import write_config
+
+    written = write_config(output, like)
+    print(f"written: {written}; run it with: ecfit run {written}")
+
+
+@app.command
 def report(config: Path, *, results: Path = Path("results")) -> None:
     """Write the report of a finished study again, computing nothing.
 
