@@ -2,22 +2,13 @@
 
 import json
 from dataclasses import dataclass
-from importlib import import_module
 
-from ecfit.approximation import Approximation
 from ecfit.errors import EcfitError
+from ecfit.export import LANGUAGES, code, evidence_of
+from ecfit.report.entries import Entry
 
-# Name in `ecfit.export` -> what people call it, in the order of the page's list.
-LANGUAGES = {
-    "glsl": "GLSL",
-    "hlsl": "HLSL",
-    "wgsl": "WGSL",
-    "msl": "Metal",
-    "slang": "Slang",
-    "osl": "OSL",
-    "c": "C, C++",
-    "python": "Python",
-}
+# The others are told by one of these: what compiles as C does as C++.
+_LEFT_OUT = ("cpp",)
 
 
 @dataclass(frozen=True)
@@ -29,23 +20,22 @@ class Code:
     text: str
 
 
-def codes(approximation: Approximation) -> list[Code]:
+def codes(entry: Entry) -> list[Code]:
     """An approximation in every language that can hold it, and as the JSON that `ecfit.Approximation` reads.
 
-    What no language can hold (a large table) is left out.
+    Nothing for look-up tables, which renderers fetch.
     """
+    approximation = entry.approximation
+    if approximation.form == "lookup":
+        return []
+    evidence = evidence_of(entry.fit.to_dict()) if entry.fit is not None else None
     out = []
-    for language, label in LANGUAGES.items():
-        text = _exported(approximation, language)
-        if text:
-            out.append(Code(label, language, text))
-    if approximation.form != "lookup":
-        out.append(Code("JSON", "json", json.dumps(approximation.to_dict(), indent=1, ensure_ascii=False)))
+    for name, language in LANGUAGES.items():
+        if name in _LEFT_OUT:
+            continue
+        try:
+            out.append(Code(language.title, name, code(approximation, name, evidence=evidence)))
+        except EcfitError:
+            continue  # what this language cannot hold
+    out.append(Code("JSON", "json", json.dumps(approximation.to_dict(), ensure_ascii=False)))
     return out
-
-
-def _exported(approximation: Approximation, language: str) -> str:
-    try:
-        return import_module("ecfit.export").code(approximation, language)
-    except (ModuleNotFoundError, EcfitError):
-        return ""

@@ -228,7 +228,7 @@ def _section(study: StudyLike, number: int, name: str, table: Table, prove: Prov
 
 
 def _codes(choice: Choice) -> list[Code]:
-    found = codes(choice.entry.approximation)
+    found = codes(choice.entry)
     return found if sum(len(c.text) for c in found) <= _CODE_ROOM else []
 
 
