@@ -1,6 +1,6 @@
 """`compare`: what changed between two results folders of a study, and whether anything got worse.
 
-Reads only what a run has written (summary.csv, provenance.json, fits/*.json), so it takes no JAX and no tables.
+Reads only what a run has written (summary.csv, provenance.json, fits/*.json): no JAX, no tables.
 """
 
 import csv

@@ -1,10 +1,11 @@
 """What a page offers to copy of an approximation: code in the languages of `ecfit.export`, and its JSON."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ecfit.errors import EcfitError
 from ecfit.export import LANGUAGES, code, evidence_of
+from ecfit.export.code import default_name
 from ecfit.report.entries import Entry
 
 # The others are told by one of these: what compiles as C does as C++.
@@ -20,21 +21,26 @@ class Code:
     text: str
 
 
-def codes(entry: Entry) -> list[Code]:
+def codes(entry: Entry, table: str) -> list[Code]:
     """An approximation in every language that can hold it, and as the JSON that `ecfit.Approximation` reads.
 
-    Nothing for look-up tables, which renderers fetch.
+    The function of a fit is named after its table too, so that those of a study do not clash. Nothing for
+    look-up tables, which renderers fetch.
     """
     approximation = entry.approximation
     if approximation.form == "lookup":
         return []
     evidence = evidence_of(entry.fit.to_dict()) if entry.fit is not None else None
+    named = replace(approximation, name=f"{table}_{entry.name}") if entry.fit is not None else approximation
+    function = default_name(named)
     out = []
     for name, language in LANGUAGES.items():
         if name in _LEFT_OUT:
             continue
         try:
-            out.append(Code(language.title, name, code(approximation, name, evidence=evidence)))
+            out.append(
+                Code(language.title, name, code(approximation, name, name=function, evidence=evidence))
+            )
         except EcfitError:
             continue  # what this language cannot hold
     out.append(Code("JSON", "json", json.dumps(approximation.to_dict(), ensure_ascii=False)))

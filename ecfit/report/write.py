@@ -218,7 +218,7 @@ def _section(study: StudyLike, number: int, name: str, table: Table, prove: Prov
         table,
         rows,
         sentences(rows),
-        [_Chosen(c.budget, c.allowance, c.entry, c.proved, _codes(c)) for c in chosen],
+        [_Chosen(c.budget, c.allowance, c.entry, c.proved, _codes(c, name)) for c in chosen],
         [_written(d, study.folder / "figures", kinds, f"s{number}f{i}-") for i, d in enumerate(drawings)],
         slices(table, drawn),
         drawn.index(foremost) if foremost is not None else 0,
@@ -227,8 +227,8 @@ def _section(study: StudyLike, number: int, name: str, table: Table, prove: Prov
     )
 
 
-def _codes(choice: Choice) -> list[Code]:
-    found = codes(choice.entry)
+def _codes(choice: Choice, table: str) -> list[Code]:
+    found = codes(choice.entry, table)
     return found if sum(len(c.text) for c in found) <= _CODE_ROOM else []
 
 

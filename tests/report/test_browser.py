@@ -7,11 +7,11 @@ from collections.abc import Iterator
 
 import pytest
 
-webdriver = pytest.importorskip("selenium.webdriver", reason="needs the extra `browser` (selenium)")
-
-from selenium.webdriver.common.by import By
-from selenium.webdriver.common.keys import Keys
-from selenium.webdriver.support.ui import WebDriverWait
+_WHY = "needs the extra `browser` (selenium)"
+webdriver = pytest.importorskip("selenium.webdriver", reason=_WHY)
+By = pytest.importorskip("selenium.webdriver.common.by", reason=_WHY).By
+Keys = pytest.importorskip("selenium.webdriver.common.keys", reason=_WHY).Keys
+WebDriverWait = pytest.importorskip("selenium.webdriver.support.ui", reason=_WHY).WebDriverWait
 
 _CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 _DRIVER = shutil.which("chromedriver")
@@ -45,7 +45,8 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator:
 @pytest.fixture
 def page(browser, solid):
     """The page, freshly loaded."""
-    browser.get_log("browser"), browser.get_log("performance")
+    for log in ("browser", "performance"):
+        browser.get_log(log)
     browser.get(solid.report.as_uri())
     return browser
 
@@ -168,7 +169,7 @@ def test_everything_to_press_is_reached_by_tab_and_named(page):
     assert {"a", "button", "select", "input", "summary"} <= set(seen)
     unnamed = page.execute_script(
         "return [...document.querySelectorAll('button, input, select, svg, img')]"
-        ".filter(e => !(e.textContent.trim() || e.ariaLabel || e.getAttribute('alt') || e.labels?.length)).length"
+        ".filter(e => !(e.textContent.trim() || e.ariaLabel || e.alt || e.labels?.length)).length"
     )
     assert unnamed == 0
 
