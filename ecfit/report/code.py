@@ -33,15 +33,18 @@ def codes(entry: Entry, table: str) -> list[Code]:
     evidence = evidence_of(entry.fit.to_dict()) if entry.fit is not None else None
     named = replace(approximation, name=f"{table}_{entry.name}") if entry.fit is not None else approximation
     function = default_name(named)
-    out = []
+    out: list[Code] = []
     for name, language in LANGUAGES.items():
         if name in _LEFT_OUT:
             continue
         try:
-            out.append(
-                Code(language.title, name, code(approximation, name, name=function, evidence=evidence))
-            )
+            text = code(approximation, name, name=function, evidence=evidence)
         except EcfitError:
             continue  # what this language cannot hold
+        same = next((c for c in out if c.text == text), None)
+        if same is None:
+            out.append(Code(language.title, name, text))
+        else:
+            out[out.index(same)] = replace(same, label=f"{same.label}, {language.title}")
     out.append(Code("JSON", "json", json.dumps(approximation.to_dict(), ensure_ascii=False)))
     return out

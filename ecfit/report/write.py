@@ -1,7 +1,7 @@
 """From a study to its figures, `report.html` (one self-contained page) and `report.md`."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -18,7 +18,7 @@ from ecfit.report import figures
 from ecfit.report.code import Code, codes
 from ecfit.report.coefficients import Comparison, compare
 from ecfit.report.entries import Entry, best, entries
-from ecfit.report.inline import inline
+from ecfit.report.inline import inline, shared
 from ecfit.report.maps import Maps, maps
 from ecfit.report.slices import slices
 from ecfit.report.style import rendered
@@ -49,7 +49,7 @@ class StudyLike(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class _Drawing:
-    """A figure: the plain word that names its file, its caption, and its place in the page.
+    """A figure to draw: the plain word that names its file, its caption, and its place in the page.
 
     `page` is "first" (before the slices), "last", or "" for a figure that is in files only, since the page
     says the same in a table or draws it itself.
@@ -57,7 +57,7 @@ class _Drawing:
 
     stem: str
     caption: str
-    figure: Figure
+    draw: Callable[[], Figure]
     page: str
 
 
@@ -142,7 +142,7 @@ def _drawings(
             "The best form of every size that the searches of terms found: RMS error in the weights of "
             "the search, before the fit in the norm asked for, against coefficients (left) and against "
             "operations (right); on the line, nothing found is better for less.",
-            figures.searches(name, searches),
+            lambda: figures.searches(name, searches),
             "first",
         )
     if rows:
@@ -151,7 +151,7 @@ def _drawings(
             "RMS error against the numbers to store (left) and the operations of an evaluation (right), both "
             "logarithmic. Lines: our fits; stars: published approximations; triangles: look-up tables, which "
             "fetch instead; rings: a pole, or not converged.",
-            figures.error_against_cost(name, rows),
+            lambda: figures.error_against_cost(name, rows),
             "first",
         )
     if fits:
@@ -159,13 +159,13 @@ def _drawings(
             f"{name}-degree-vs-error",
             "Number of coefficients and mean absolute error by degree (left); mean absolute error "
             "against number of coefficients (right). After Sforza & Pellacini 2022, figure 3.",
-            figures.degree_vs_error(name, table, fits, published),
+            lambda: figures.degree_vs_error(name, table, fits, published),
             "",
         )
     yield _Drawing(
         f"{name}-table",
         "The table and its error estimate." if table.estimated else "The table, as given.",
-        figures.table_and_estimate(name, table),
+        lambda: figures.table_and_estimate(name, table),
         "last",
     )
     best_ = best_fit(fits)
@@ -174,32 +174,35 @@ def _drawings(
     yield _Drawing(
         f"{name}-best-fit",
         f"Table, best fit ({best_.approximation.name}) and signed error.",
-        figures.table_and_fit(name, table, best_),
+        lambda: figures.table_and_fit(name, table, best_),
         "",
     )
     yield _Drawing(
         f"{name}-error-maps",
         "Signed error of every fit; each map has its own scale.",
-        figures.error_maps(name, table, fits),
+        lambda: figures.error_maps(name, table, fits),
         "",
     )
     yield _Drawing(
         f"{name}-error-along-axes",
         "Absolute error along each axis: mean (line) and largest (dashes) over the others.",
-        figures.error_along_axes(name, table, _headline_fits(fits), published),
+        lambda: figures.error_along_axes(name, table, _headline_fits(fits), published),
         "last",
     )
 
 
 def _written(drawing: _Drawing, folder: Path, kinds: Sequence[str], prefix: str) -> _Picture:
     """The picture of a drawing for the page, after its files are written."""
-    files = {kind: rendered(drawing.figure, kind) for kind in kinds}
+    if not (kinds or drawing.page):
+        return _Picture(drawing.stem, drawing.caption, "", False)
+    figure = drawing.draw()
+    files = {kind: rendered(figure, kind) for kind in kinds}
     for kind, content in files.items():
         path = folder / f"{drawing.stem}.{kind}"
         write_atomically(path, lambda file, content=content: file.write(content))
     svg = ""
     if drawing.page:
-        content = files.get("svg") or rendered(drawing.figure, "svg")
+        content = files.get("svg") or rendered(figure, "svg")
         svg = inline(content, prefix, drawing.caption)
     return _Picture(drawing.stem, drawing.caption, svg, drawing.page == "first")
 
@@ -227,6 +230,17 @@ def _section(study: StudyLike, number: int, name: str, table: Table, prove: Prov
     )
 
 
+def _with_shared_styles(sections: Sequence[_Section]) -> tuple[list[_Section], str]:
+    """The sections with figures whose styles are classes, and the sheet that defines these."""
+    svgs, sheet = shared([picture.svg for section in sections for picture in section.pictures if picture.svg])
+    left = iter(svgs)
+    out = [
+        replace(s, pictures=[replace(p, svg=next(left)) if p.svg else p for p in s.pictures])
+        for s in sections
+    ]
+    return out, sheet
+
+
 def _codes(choice: Choice, table: str) -> list[Code]:
     found = codes(choice.entry, table)
     return found if sum(len(c.text) for c in found) <= _CODE_ROOM else []
@@ -245,6 +259,7 @@ def write_report(study: StudyLike) -> None:
     sections = [_section(study, i, name, t, prove) for i, (name, t) in enumerate(study.tables.items())]
     rows = [row for section in sections for row in section.rows]
     ours = sum(row.kind == "fit" for row in rows)
+    sections, styles = _with_shared_styles(sections)
     kind = study.config.report.figures[0] if study.config.report.figures else None
     context = {
         "study": study,
@@ -254,7 +269,7 @@ def write_report(study: StudyLike) -> None:
         "image": kind,
         "infinity": float("inf"),
         "percentage": percentage,
-        "css": environment.get_template("report.css").render(),
+        "css": environment.get_template("report.css").render() + styles,
         "js": environment.get_template("report.js").render(),
     }
     for page in ("report.html", "report.md"):

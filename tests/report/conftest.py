@@ -45,6 +45,6 @@ def make_smooth() -> Callable[..., ecfit.Table]:
 @pytest.fixture(scope="session")
 def solid(tmp_path_factory: pytest.TempPathFactory) -> Study:
     """A study of a table F0 x r x mu, its report written."""
-    study = judged_study(tmp_path_factory.mktemp("solid"), smooth(5, 6, 7))
+    study = judged_study(tmp_path_factory.mktemp("solid"), smooth(5, 6, 7), figures=("svg",))
     write_report(study)
     return study

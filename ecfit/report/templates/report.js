@@ -108,11 +108,11 @@
     const grid = { stroke: "currentColor", "stroke-opacity": 0.15 };
     for (const t of ticks(...ys)) {
       draw(svg, "line", { x1: box.left, x2: box.left + box.width, y1: y(t), y2: y(t), ...grid });
-      draw(svg, "text", { x: box.left - 7, y: y(t) + 4, "text-anchor": "end", class: "tick" }, short(t));
+      draw(svg, "text", { x: box.left - 7, y: y(t) + 4, "text-anchor": "end" }, short(t));
     }
     for (const t of ticks(...xs)) {
       draw(svg, "line", { x1: x(t), x2: x(t), y1: box.top, y2: box.top + box.height, ...grid });
-      if (xLabel) draw(svg, "text", { x: x(t), y: box.top + box.height + 17, "text-anchor": "middle", class: "tick" }, short(t));
+      if (xLabel) draw(svg, "text", { x: x(t), y: box.top + box.height + 17, "text-anchor": "middle" }, short(t));
     }
     if (xLabel) draw(svg, "text", { x: box.left + box.width / 2, y: box.top + box.height + 36, "text-anchor": "middle" }, xLabel);
     draw(svg, "text", { transform: `translate(14 ${box.top + box.height / 2}) rotate(-90)`, "text-anchor": "middle" }, yLabel);
@@ -176,8 +176,8 @@
           draw(svg, "text", { x: 862, y }, `${family.name} = ${short(family.at[c])}`);
         }
       }
-      if (s) draw(svg, "text", { x: 832, y: 26 + 20 * curves + 8, class: "tick" }, "line: truth");
-      if (s) draw(svg, "text", { x: 832, y: 26 + 20 * curves + 26, class: "tick" }, "rings: fit");
+      const said = [...(s ? ["line: truth", "rings: fit"] : []), ...sliders.map((slider) => slider.getAttribute("aria-valuetext"))];
+      said.forEach((text, i) => draw(svg, "text", { x: 832, y: 34 + 20 * curves + 18 * i }, text));
     };
     for (const control of [...sliders, choice]) {
       for (const event of ["input", "change"]) control.addEventListener(event, update);
