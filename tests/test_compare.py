@@ -65,7 +65,8 @@ def test_an_error_that_rises_is_worse_and_one_that_falls_better(runs):
     ("old", "new", "kind"),
     [
         ("converged", "pole", "WORSE"), ("converged", "not-converged", "WORSE"),
-        ("not-converged", "pole", "WORSE"), ("pole", "not-converged", "better"), ("pole", "converged", "better"),
+        ("not-converged", "pole", "WORSE"), ("pole", "not-converged", "better"),
+        ("pole", "converged", "better"),
     ],
 )  # fmt: skip
 def test_statuses_have_an_order(runs, old: str, new: str, kind: str):

@@ -22,7 +22,7 @@ from ecfit.report.inline import inline, shared
 from ecfit.report.maps import Maps, maps
 from ecfit.report.slices import slices
 from ecfit.report.style import rendered
-from ecfit.report.verdict import Choice, Proved, Prover, choices, percentage, prover, sentences
+from ecfit.report.verdict import Proved, Prover, choices, percentage, prover, sentences
 from ecfit.tables import Table
 
 # Characters of code that a page has of one approximation at most: its big ones are exported from the shell.
@@ -86,6 +86,7 @@ class _Chosen:
 class _Section:
     """What the report says about one table.
 
+    `choices` are the rows of its verdict, `copied` those whose code is there: the same first, and our best fit.
     `shown` is the index of the approximation that the slices begin with.
     """
 
@@ -94,6 +95,7 @@ class _Section:
     rows: Sequence[Entry]
     sentences: Sequence[str]
     choices: Sequence[_Chosen]
+    copied: Sequence[_Chosen]
     pictures: Sequence[_Picture]
     slices: dict[str, Any]
     shown: int
@@ -210,21 +212,27 @@ def _written(drawing: _Drawing, folder: Path, kinds: Sequence[str], prefix: str)
 def _section(study: StudyLike, number: int, name: str, table: Table, prove: Prover) -> _Section:
     fits, published = study.fits.get(name, []), study.published.get(name, [])
     rows = entries(table, fits, published)
-    chosen = choices(rows, prove)
+    chosen = [
+        _Chosen(c.budget, c.allowance, c.entry, c.proved, _codes(c.entry, name)) for c in choices(rows, prove)
+    ]
+    named = [c.entry for c in chosen]
+    # The best of ours is told in words even where a published one is better within every budget.
+    ours = best([e for e in rows if e.kind == "fit"])
+    besides = [ours] if ours is not None and ours not in named else []
+    spare = [_Chosen(None, "", e, prove(e.approximation), _codes(e, name)) for e in besides]
+    drawn = list(dict.fromkeys([*besides, *named, *(e for e in rows if e.kind == "published")]))
     drawings = _drawings(name, table, fits, published, rows, study.searches.get(name, []))
-    kinds = study.config.report.figures
-    # What the verdict names comes first, then what is published.
-    drawn = list(dict.fromkeys([c.entry for c in chosen] + [e for e in rows if e.kind == "published"]))
-    foremost = best([e for e in drawn if e.kind == "fit"]) or (drawn[0] if drawn else None)
+    folder, kinds = study.folder / "figures", study.config.report.figures
     return _Section(
         name,
         table,
         rows,
         sentences(rows),
-        [_Chosen(c.budget, c.allowance, c.entry, c.proved, _codes(c, name)) for c in chosen],
-        [_written(d, study.folder / "figures", kinds, f"s{number}f{i}-") for i, d in enumerate(drawings)],
+        chosen,
+        [*chosen, *spare],
+        [_written(d, folder, kinds, f"s{number}f{i}-") for i, d in enumerate(drawings)],
         slices(table, drawn),
-        drawn.index(foremost) if foremost is not None else 0,
+        drawn.index(ours) if ours is not None else 0,
         maps(table, rows),
         [c for approximation, _ in published for c in compare(approximation, fits)],
     )
@@ -241,8 +249,8 @@ def _with_shared_styles(sections: Sequence[_Section]) -> tuple[list[_Section], s
     return out, sheet
 
 
-def _codes(choice: Choice, table: str) -> list[Code]:
-    found = codes(choice.entry, table)
+def _codes(entry: Entry, table: str) -> list[Code]:
+    found = codes(entry, table)
     return found if sum(len(c.text) for c in found) <= _CODE_ROOM else []
 
 

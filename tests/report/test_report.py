@@ -65,12 +65,15 @@ def test_the_page_is_self_contained_and_well_formed(solid):
 
 def test_a_page_follows_the_scheme_of_its_reader(solid):
     """Figures have no colours of paper and ink of their own, and neither style sheets."""
-    figures = re.findall(r"<svg.*?</svg>", solid.report.read_text(), re.S)
+    page = solid.report.read_text()
+    figures = re.findall(r"<svg.*?</svg>", page, re.S)
     assert len(figures) == 3
     for svg in figures:
         ElementTree.fromstring(svg)
         assert not re.findall(r"#ffffff|#000000|#111111|<style", svg, re.I)
-        assert "currentColor" in svg
+        assert re.search(r'class="z\d+"', svg)
+    assert re.search(r"\.z\d+\{[^}]*stroke: currentColor", page)
+    assert re.search(r"\.z\d+\{[^}]*var\(--polynomial\)", page)
 
 
 @pytest.mark.slow
