@@ -86,7 +86,7 @@ class _Chosen:
 class _Section:
     """What the report says about one table.
 
-    `choices` are the rows of its verdict, `copied` those whose code is there: the same first, and our best fit.
+    `choices` are the rows of its verdict, `copied` those whose code is there: the same, and our best fit.
     `shown` is the index of the approximation that the slices begin with.
     """
 
