@@ -67,7 +67,7 @@ def image(error: np.ndarray, bound: float) -> str:
     """The `data:` address of a PNG of an array in [-bound, bound], NaN as 0."""
     scaled = np.nan_to_num(error, nan=0.0, posinf=bound, neginf=-bound) / (bound or 1.0)
     levels = np.rint((scaled + 1.0) * 0.5 * (_LEVELS - 1)).clip(0, _LEVELS - 1).astype(np.uint8)
-    indexed = Image.frombytes("P", levels.shape[::-1], levels.tobytes())
+    indexed = Image.frombytes("P", (levels.shape[1], levels.shape[0]), levels.tobytes())
     indexed.putpalette(_palette())
     buffer = io.BytesIO()
     indexed.save(buffer, "png", optimize=True)
