@@ -22,7 +22,7 @@ QUICK_COMPILE := XLA_FLAGS="--xla_backend_optimization_level=0 --xla_cpu_use_fus
 test: $(VENV)/.test
 	$(QUICK_COMPILE) $(PYTEST)
 
-test-all: $(VENV)/.test
+test-all: $(VENV)/.test $(VENV)/.browser
 	$(PYTEST) -m ""
 
 lint: $(VENV)/.dev
@@ -42,11 +42,11 @@ benchmark: $(VENV)/.bench
 	$(BIN)/python benchmarks/choosing.py --cache .choosing --figures .choosing
 
 constraints: $(VENV)/.uv
-	$(BIN)/uv pip compile --universal --no-header --no-annotate --extra test --extra dev --extra bench pyproject.toml -o constraints.txt
+	$(BIN)/uv pip compile --universal --no-header --no-annotate --extra test --extra dev --extra bench --extra browser pyproject.toml -o constraints.txt
 
-# System packages for the tests that compile or draw with foreign tools. None is needed yet.
+# System packages for the tests that compile or draw with foreign tools: they skip without.
 system:
-	@echo "no system packages are needed"
+	apt-get install -y --no-install-recommends chromium chromium-driver
 
 $(VENV)/.uv:
 	$(PYTHON) -c 'import sys; sys.exit("ecfit needs Python 3.11 or newer: make PYTHON=python3.11" if sys.version_info < (3, 11) else 0)'

@@ -77,6 +77,23 @@ def run(
 
 
 @app.command
+def init(output: Path = Path("study.toml"), *, like: str = "starter") -> None:
+    """Write a study file with comments to start from; a file that exists is never overwritten.
+
+    Parameters
+    ----------
+    output
+        The TOML file to write; the study is named after it.
+    like
+        starter, or a study that comes with ecfit: quick, conductor, paper, search, ...
+    """
+    from ecfit.starter import write_config
+
+    written = write_config(output, like)
+    print(f"written: {written}; run it with: ecfit run {written}")
+
+
+@app.command
 def report(config: Path, *, results: Path = Path("results")) -> None:
     """Write the report of a finished study again, computing nothing.
 
@@ -96,6 +113,29 @@ def report(config: Path, *, results: Path = Path("results")) -> None:
     found = study.load(config, results)
     write_results(found)
     print(f"report: {found.report}")
+
+
+@app.command
+def compare(old: Path, new: Path, *, tolerance: float = 0.01, coefficients: float = 1e-6) -> None:
+    """Say what changed between two results folders of a study: tables, fits, errors, published results.
+
+    Exits with 1 where a fit got worse, or a table, fit or published result is gone.
+
+    Parameters
+    ----------
+    old, new
+        Folders such as results/paper.
+    tolerance
+        Relative change of an error that counts.
+    coefficients
+        Change of a coefficient that counts, in units of the largest of its fit.
+    """
+    from ecfit.compare import compare as compare_
+
+    found = compare_(old, new, tolerance=tolerance, coefficients=coefficients)
+    print("\n".join(found.describe()))
+    if found.worse:
+        raise SystemExit(1)
 
 
 @app.command

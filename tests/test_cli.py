@@ -190,3 +190,36 @@ def test_an_interrupt_says_how_to_go_on(capsys: pytest.CaptureFixture[str], monk
     code, _, err = call(capsys, "run", ROOT / "configs" / "quick.toml", "--workers", 3)
     assert code == 130
     assert "the same command goes on from here" in err
+
+
+def test_init_writes_a_study_once(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    path = tmp_path / "mine.toml"
+    code, out, _ = call(capsys, "init", path)
+    assert code == 0
+    assert f"ecfit run {path}" in out
+    code, _, err = call(capsys, "init", path)
+    assert code == 2
+    assert "exists" in err
+
+
+def test_compare_exits_with_1_where_something_is_gone(capsys: pytest.CaptureFixture[str]):
+    quick, paper = ROOT / "results/quick", ROOT / "results/paper"
+    code, out, _ = call(capsys, "compare", quick, quick)
+    assert code == 0
+    assert "0 worse, 0 gone" in out
+    code, out, _ = call(capsys, "compare", quick, paper)
+    assert code == 1
+    code, _, err = call(capsys, "compare", quick, ROOT)
+    assert code == 2
+    assert "no summary.csv" in err
+
+
+@pytest.mark.parametrize("command", ["init --help", "compare results/quick results/quick"])
+def test_what_needs_no_numbers_loads_neither_jax_nor_numpy(command: str):
+    program = (
+        "import sys; from ecfit import cli\n"
+        f"try: cli.main({command.split()!r})\nexcept SystemExit: pass\n"
+        "sys.exit(bool({'jax', 'numpy', 'matplotlib', 'pydantic'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 0, done.stderr

@@ -15,6 +15,7 @@ from ecfit.approximation.structured import StructuredFormula
 from ecfit.approximation.written import Written
 from ecfit.contract import Contract
 from ecfit.coordinates import resolve, viewed
+from ecfit.display import facts
 from ecfit.errors import EcfitError, unknown
 from ecfit.expressions import Node
 from ecfit.forms import Minimum, Terms
@@ -91,6 +92,22 @@ class Approximation:
         label = name or "table-" + "x".join(map(str, table.grid.shape))
         formula = Lookup(table.values, table.grid.domain, tuple(a.through for a in table.axes))
         return cls(label, "lookup", "1", table.names, formula, table.grid.domain, table.contract)
+
+    def __repr__(self) -> str:
+        ends = ", ".join(
+            f"{v} in [{low:g}, {high:g}]" for v, (low, high) in zip(self.variables, self.domain, strict=True)
+        )
+        return (
+            f"<Approximation {self.name}: {self.contract.quantity} of {self.contract.model}, "
+            f"{self.count} numbers, {ends}>"
+        )
+
+    def _repr_html_(self) -> str:
+        ends = [
+            (v, f"{low:g} to {high:g}") for v, (low, high) in zip(self.variables, self.domain, strict=True)
+        ]
+        rows = [("source", self.source), ("numbers", self.count), *ends, *self.contract.describe()]
+        return facts(self.name, rows)
 
     @property
     def coefficients(self) -> np.ndarray:

@@ -14,6 +14,8 @@ from ecfit.tables.scattered import Scattered, integrate, of_contract
 
 # Points near the edges for narrow arithmetic, and towards the corner for the truth, as parts of the sample.
 _HARD, _CORNER = 1.0, 0.02
+# Of the points at which an identity behind a proof is checked.
+_PROOF_SEED = 1
 
 
 def certify(
@@ -70,6 +72,22 @@ def certify(
         no_truth=why,
         half_errors=in_half,
     )
+
+
+def prove(approximation: Approximation) -> tuple[str, ...]:
+    """The proofs of `certify` without its measurements: why they fail, or nothing where all succeed.
+
+    They are that no divisor vanishes on the closed domain, that roots are real there, and that values lie
+    between 0 and what the quantity cannot exceed. Raises `EcfitError` for tables, which have no expression.
+    """
+    subject = Subject.of(approximation)
+    proofs = divisors(subject)
+    sound = all(p.proven for p in proofs)
+    subject = subject.knowing(floors(subject, proofs)) if sound else subject
+    faults = [p.describe() for p in (*proofs, *defined(subject)) if not p.proven]
+    if sound:
+        faults += value_range(subject, ceiling(approximation), _PROOF_SEED).faults
+    return tuple(faults)
 
 
 def ceiling(approximation: Approximation) -> Ceiling | None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ecfit._jax import jax
 from ecfit.approximation import Approximation
+from ecfit.display import facts
 from ecfit.errors import EcfitError
 from ecfit.files import read_json, write_json
 from ecfit.forms import Minimum, Terms
@@ -118,6 +119,27 @@ class Fit:
         if self.status == "not-converged":
             return f"{self.approximation.name} DID NOT CONVERGE after {self.iterations} steps"
         return ""
+
+    def __repr__(self) -> str:
+        return (
+            f"<Fit {self.approximation.name}: {self.approximation.count} coefficients, RMSE {self.rmse:.3e}, "
+            f"largest error {self.max_error:.3e}, {self.status}>"
+        )
+
+    def __str__(self) -> str:
+        place = ", ".join(f"{k} = {v:.4g}" for k, v in self.errors.place.items())
+        lines = [
+            f"{self.approximation.name}: {self.approximation.count} coefficients, {self.status}",
+            f"MAE {self.mae:.4e}, RMSE {self.rmse:.4e}, largest error {self.max_error:.4e} at {place}",
+            f"smallest denominator {self.smallest.value:.4g}, values in [{self.prediction[0]:.6g}, "
+            f"{self.prediction[1]:.6g}]",
+        ]
+        return "\n".join([*lines, *([f"WARNING: {self.warning()}"] if self.warning() else [])])
+
+    def _repr_html_(self) -> str:
+        first, errors, values, *_ = str(self).splitlines()
+        rows = [("errors", errors), ("formula", values), *self.approximation.contract.describe()]
+        return facts(first, rows, self.warning())
 
     def to_code(self, language: str, **options: Any) -> str:
         """Source text of a function that computes this, errors in its comment; see `ecfit.export.code`."""

@@ -4,7 +4,6 @@ import re
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -12,13 +11,12 @@ from ecfit.approximation import Approximation
 from ecfit.fitting import Fit
 from ecfit.fitting.selection import Choice, front
 from ecfit.metrics import Errors, predict, signed_error
-from ecfit.report.style import COLOURS, MARKERS, SIGNED, VALUES, look
+from ecfit.report.entries import Entry
+from ecfit.report.plots import against_cost, curve, error_along, image, plane
+from ecfit.report.style import COLOURS, INK, MARKERS, SIGNED, VALUES, look
 from ecfit.tables import Table
 
 Published = Sequence[tuple[Approximation, Errors]]
-
-# An image of more points a side than this shows nothing more in a report, and weighs more.
-_IMAGE_POINTS = 160
 
 
 def _mark(fit: Fit) -> str:
@@ -119,39 +117,6 @@ def _planes(table: Table, count: int) -> list[tuple[tuple[int, ...], str]]:
     ]
 
 
-def _plane(table: Table, values: np.ndarray) -> tuple[np.ndarray, str]:
-    """The middle plane of a table's array, and where that is."""
-    ((index, where),) = _planes(table, 1)
-    return values[index], where
-
-
-def _thin(values: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
-    """At most `_IMAGE_POINTS` a side, ends kept."""
-    picks = [
-        np.unique(np.round(np.linspace(0, n - 1, min(n, _IMAGE_POINTS))).astype(int)) for n in values.shape
-    ]
-    return values[np.ix_(*picks)], picks
-
-
-def _image(axes: Axes, table: Table, values: np.ndarray, cmap: str, low: float, high: float):
-    """An image of the middle plane over the last two axes, in the coordinates that a fit sees."""
-    plane, where = _plane(table, values)
-    return _plane_image(axes, table, plane, cmap, low, high), where
-
-
-def _plane_image(axes: Axes, table: Table, plane: np.ndarray, cmap: str, low: float, high: float):
-    thin, picks = _thin(plane)
-    y, x = (a.nominal[p] for a, p in zip(table.axes[-2:], picks, strict=True))
-    mesh = axes.pcolormesh(x, y, thin, cmap=cmap, vmin=low, vmax=high, shading="nearest", rasterized=True)
-    axes.set(xlabel=table.axes[-1].name, ylabel=table.axes[-2].name)
-    return mesh
-
-
-def _curve(axes: Axes, table: Table, values: np.ndarray, label: str, **style) -> None:
-    axes.plot(table.axes[0].nominal, values, label=label, **style)
-    axes.set_xlabel(table.axes[0].name)
-
-
 def table_and_fit(name: str, table: Table, fit: Fit) -> Figure:
     """The table, a fit, and the signed error fit - table."""
     predicted = predict(fit.approximation, table)
@@ -160,23 +125,24 @@ def table_and_fit(name: str, table: Table, fit: Fit) -> Figure:
         figure = Figure(figsize=(9.6, 3.2), layout="constrained")
         if len(table.axes) == 1:
             left, right = figure.subplots(1, 2)
-            _curve(left, table, table.values, "table", color="black")
-            _curve(left, table, predicted, fit.approximation.name, color=COLOURS["rational"], linestyle="--")
+            curve(left, table, table.values, "table", color=INK)
+            curve(left, table, predicted, fit.approximation.name, color=COLOURS["rational"], linestyle="--")
             left.legend(frameon=False)
-            _curve(right, table, error, "fit - table", color=COLOURS["rational"])
+            curve(right, table, error, "fit - table", color=COLOURS["rational"])
             right.set_title("fit - table")
             return figure
         panels = figure.subplots(1, 3)
         finite = table.values[table.usable]
         low, high = float(finite.min()), float(finite.max())
-        bound = float(np.abs(_plane(table, error)[0]).max()) or 1.0
+        bound = float(np.abs(plane(table, error)[0]).max()) or 1.0
         where = ""
         for axes, values, title, cmap, lo, hi in (
             (panels[0], table.values, f"{name}: table", VALUES, low, high),
             (panels[1], predicted, f"fit: {fit.approximation.name}{_mark(fit)}", VALUES, low, high),
             (panels[2], error, f"fit - table, max {fit.max_error:.2e}", SIGNED, -bound, bound),
         ):
-            mesh, where = _image(axes, table, values, cmap, lo, hi)
+            cut, where = plane(table, values)
+            mesh = image(axes, table, cut, cmap, lo, hi)
             axes.set_title(title)
             figure.colorbar(mesh, ax=axes, shrink=0.9)
         if where:
@@ -203,10 +169,11 @@ def error_maps(name: str, table: Table, fits: Sequence[Fit]) -> Figure:
             for fit, axes in zip(row, line, strict=False):
                 error = signed_error(fit.approximation, table)
                 if len(table.axes) == 1:
-                    _curve(axes, table, error, "", color=COLOURS.get(fit.approximation.form, "black"))
+                    curve(axes, table, error, color=COLOURS.get(fit.approximation.form, COLOURS["other"]))
                 else:
-                    bound = float(np.abs(_plane(table, error)[0]).max()) or 1.0
-                    mesh, where = _image(axes, table, error, SIGNED, -bound, bound)
+                    cut, where = plane(table, error)
+                    bound = float(np.abs(cut).max()) or 1.0
+                    mesh = image(axes, table, cut, SIGNED, -bound, bound)
                     ticks = [-bound, 0.0, bound]
                     bar = figure.colorbar(mesh, ax=axes, shrink=0.8, ticks=ticks, format="%.0e")
                     bar.ax.set_yticklabels([f"{-bound:.0e}", "0", f"{bound:.0e}"])
@@ -237,21 +204,9 @@ def error_along_axes(name: str, table: Table, fits: Sequence[Fit], published: Pu
         figure = Figure(figsize=(9.6, 3.8), layout="constrained")
         panels = np.atleast_1d(figure.subplots(1, len(table.axes), sharey=True))
         for approximation, colour, mark, alpha in entries:
-            error = np.abs(signed_error(approximation, table))
             for v, axes in enumerate(panels):
-                others = tuple(i for i in range(error.ndim) if i != v)
-                _, (picks,) = _thin(table.axes[v].nominal)
-                x = table.axes[v].nominal[picks]
                 style = {"color": colour, "alpha": alpha}
-                axes.plot(
-                    x,
-                    error.mean(axis=others)[picks],
-                    label=f"{approximation.name}{mark}",
-                    linewidth=1.3,
-                    **style,
-                )
-                if others:
-                    axes.plot(x, error.max(axis=others)[picks], "--", linewidth=0.8, **style)
+                error_along(axes, table, approximation, v, f"{approximation.name}{mark}", **style)
         for axis, axes in zip(table.axes, panels, strict=True):
             axes.set(xlabel=axis.name, yscale="log")
             axes.grid(True, alpha=0.3)
@@ -259,6 +214,20 @@ def error_along_axes(name: str, table: Table, fits: Sequence[Fit], published: Pu
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=5, frameon=False, fontsize=8)
         figure.suptitle(f"{name}: error along each axis", fontsize=9)
+    return figure
+
+
+def error_against_cost(name: str, rows: Sequence[Entry]) -> Figure:
+    """RMS error of everything judged on a table against numbers to store (left) and operations (right)."""
+    with look():
+        figure = Figure(figsize=(9.6, 3.8), layout="constrained")
+        by_count, by_cost = figure.subplots(1, 2, sharey=True)
+        against_cost(by_count, rows, "coefficients")
+        against_cost(by_cost, rows, "operations")
+        by_cost.set_ylabel("")
+        handles, labels = by_count.get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=5, frameon=False, fontsize=8)
+        figure.suptitle(f"{name}: error against cost", fontsize=9)
     return figure
 
 
@@ -273,7 +242,7 @@ def table_and_estimate(name: str, table: Table) -> Figure:
             panels = figure.subplots(1, len(rows), squeeze=False)[0]
             for axes, (values, _, title) in zip(panels, rows, strict=True):
                 first = axes is panels[0]
-                _curve(axes, table, values, name if first else "", color="black")
+                curve(axes, table, values, name if first else "", color=INK)
                 axes.set_title(f"{name}: {title}" if first else title)
             return figure
         planes = _planes(table, 4)
@@ -288,7 +257,7 @@ def table_and_estimate(name: str, table: Table) -> Figure:
             low, high = float(finite.min()), float(finite.max())
             mesh = None
             for axes, (index, where) in zip(line, planes, strict=True):
-                mesh = _plane_image(axes, table, values[index], cmap, low, high)
+                mesh = image(axes, table, values[index], cmap, low, high)
                 axes.set_title(where or title)
                 axes.label_outer()
             assert mesh is not None  # there is at least one plane
@@ -297,7 +266,7 @@ def table_and_estimate(name: str, table: Table) -> Figure:
     return figure
 
 
-def error_against_cost(name: str, found: Sequence[tuple[str, Sequence[Choice]]]) -> Figure:
+def searches(name: str, found: Sequence[tuple[str, Sequence[Choice]]]) -> Figure:
     """The best forms that searches found: error against coefficients and against operations, with fronts."""
     with look():
         figure = Figure(figsize=(9.6, 3.6), layout="constrained")

@@ -6,23 +6,24 @@ from contextlib import contextmanager
 from typing import Any
 
 import matplotlib as mpl
-
-mpl.use("agg")  # files only: no display is needed or opened
-
 from matplotlib.figure import Figure
 
 # Okabe & Ito 2008: eight colours that people with any colour vision tell apart.
 COLOURS = {
     "polynomial": "#0072B2",
     "rational": "#D55E00",
-    "published": "#000000",
+    "published": "#111111",
+    "table": "#CC79A7",
     "other": "#009E73",
 }
-MARKERS = {"polynomial": "o", "rational": "s"}
+MARKERS = {"polynomial": "o", "rational": "s", "published": "*", "table": "^"}
+# Text and lines: near black, and one word for a page to replace where it is dark.
+INK = "#111111"
 VALUES, SIGNED = "viridis", "RdBu_r"
 
 _SVG_IMAGE_DPI = 72
-_PNG_DPI = 150
+# Sharp in print at a column's width (3.3 in) and on screens of double density.
+_PNG_DPI = 200
 
 _SETTINGS: Any = {
     "font.size": 9,
@@ -33,6 +34,10 @@ _SETTINGS: Any = {
     "svg.hashsalt": "ecfit",
     "image.interpolation": "nearest",
     "figure.facecolor": "white",
+    **dict.fromkeys(
+        ("text.color", "axes.edgecolor", "axes.labelcolor", "xtick.color", "ytick.color", "axes.titlecolor"),
+        INK,
+    ),
 }
 
 

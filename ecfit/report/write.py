@@ -1,25 +1,32 @@
 """From a study to its figures, `report.html` (one self-contained page) and `report.md`."""
 
-import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import jinja2
-import numpy as np
 from matplotlib.figure import Figure
 
 from ecfit.approximation import Approximation
 from ecfit.config import StudyConfig
 from ecfit.files import write_atomically, write_text
 from ecfit.fitting import Fit
-from ecfit.fitting.selection import Choice
+from ecfit.fitting.selection import Choice as Found
 from ecfit.metrics import Errors
 from ecfit.report import figures
+from ecfit.report.code import Code, codes
 from ecfit.report.coefficients import Comparison, compare
+from ecfit.report.entries import Entry, best, entries
+from ecfit.report.inline import inline, shared
+from ecfit.report.maps import Maps, maps
+from ecfit.report.slices import slices
 from ecfit.report.style import rendered
+from ecfit.report.verdict import Proved, Prover, choices, percentage, prover, sentences
 from ecfit.tables import Table
+
+# Characters of code that a page has of one approximation at most: its big ones are exported from the shell.
+_CODE_ROOM = 60_000
 
 
 class StudyLike(Protocol):
@@ -36,36 +43,74 @@ class StudyLike(Protocol):
     @property
     def published(self) -> dict[str, list[tuple[Approximation, Errors]]]: ...
     @property
-    def searches(self) -> dict[str, list[tuple[str, list[Choice]]]]: ...
+    def searches(self) -> dict[str, list[tuple[str, list[Found]]]]: ...
     def warnings(self) -> list[str]: ...
+
+
+@dataclass(frozen=True, eq=False)
+class _Drawing:
+    """A figure to draw: the plain word that names its file, its caption, and its place in the page.
+
+    `page` is "first" (before the slices), "last", or "" for a figure that is in files only, since the page
+    says the same in a table or draws it itself.
+    """
+
+    stem: str
+    caption: str
+    draw: Callable[[], Figure]
+    page: str
 
 
 @dataclass(frozen=True)
 class _Picture:
-    """A figure, the plain word that names its file, and its caption."""
+    """What a page needs of a drawing; `svg` is empty where it is in files only."""
 
     stem: str
     caption: str
-    figure: Figure
+    svg: str
+    first: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
+class _Chosen:
+    """A row of the verdict, with what there is to copy."""
+
+    budget: int | None
+    allowance: str
+    entry: Entry
+    proved: Proved
+    codes: Sequence[Code]
+
+
+@dataclass(frozen=True, eq=False)
 class _Section:
-    """What the report says about one table."""
+    """What the report says about one table.
+
+    `choices` are the rows of its verdict, `copied` those whose code is there: the same, and our best fit.
+    `shown` is the index of the approximation that the slices begin with.
+    """
 
     name: str
     table: Table
-    fits: Sequence[Fit]
-    published: Sequence[tuple[Approximation, Errors]]
-    verdict: str
+    rows: Sequence[Entry]
+    sentences: Sequence[str]
+    choices: Sequence[_Chosen]
+    copied: Sequence[_Chosen]
     pictures: Sequence[_Picture]
-    svg: Sequence[str]
+    slices: dict[str, Any]
+    shown: int
+    maps: Maps | None
     coefficients: Sequence[Comparison]
 
     @property
     def bounded(self) -> bool:
         """Whether a lower bound of some fit's largest error is known."""
-        return any(f.least_max_error is not None for f in self.fits)
+        return any(f.least_max_error is not None for f in self.listed)
+
+    @property
+    def listed(self) -> list[Fit]:
+        """Our fits."""
+        return [e.fit for e in self.rows if e.fit is not None]
 
 
 def best_fit(fits: Sequence[Fit]) -> Fit | None:
@@ -85,92 +130,128 @@ def _headline_fits(fits: Sequence[Fit]) -> list[Fit]:
     return chosen
 
 
-def _pictures(
+def _drawings(
     name: str,
     table: Table,
     fits: Sequence[Fit],
     published: Sequence[tuple[Approximation, Errors]],
-    searches: Sequence[tuple[str, Sequence[Choice]]],
-) -> list[_Picture]:
-    out = []
+    rows: Sequence[Entry],
+    searches: Sequence[tuple[str, Sequence[Found]]],
+) -> Iterator[_Drawing]:
     if searches:
-        out.append(
-            _Picture(
-                f"{name}-searches",
-                "The best form of every size that the searches of terms found: RMS error in the weights of "
-                "the search, before the fit in the norm asked for, against coefficients (left) and against "
-                "operations (right); on the line, nothing found is better for less.",
-                figures.error_against_cost(name, searches),
-            )
+        yield _Drawing(
+            f"{name}-searches",
+            "The best form of every size that the searches of terms found: RMS error in the weights of "
+            "the search, before the fit in the norm asked for, against coefficients (left) and against "
+            "operations (right); on the line, nothing found is better for less.",
+            lambda: figures.searches(name, searches),
+            "first",
+        )
+    if rows:
+        yield _Drawing(
+            f"{name}-error-against-cost",
+            "RMS error against the numbers to store (left) and the operations of an evaluation (right), both "
+            "logarithmic. Lines: our fits; stars: published approximations; triangles: look-up tables, which "
+            "fetch instead; rings: a pole, or not converged.",
+            lambda: figures.error_against_cost(name, rows),
+            "first",
         )
     if fits:
-        out.append(
-            _Picture(
-                f"{name}-degree-vs-error",
-                "Number of coefficients and mean absolute error by degree (left); mean absolute error "
-                "against number of coefficients (right). After Sforza & Pellacini 2022, figure 3.",
-                figures.degree_vs_error(name, table, fits, published),
-            )
+        yield _Drawing(
+            f"{name}-degree-vs-error",
+            "Number of coefficients and mean absolute error by degree (left); mean absolute error "
+            "against number of coefficients (right). After Sforza & Pellacini 2022, figure 3.",
+            lambda: figures.degree_vs_error(name, table, fits, published),
+            "",
         )
-    out.append(
-        _Picture(
-            f"{name}-table",
-            "The table and its error estimate." if table.estimated else "The table, as given.",
-            figures.table_and_estimate(name, table),
-        )
+    yield _Drawing(
+        f"{name}-table",
+        "The table and its error estimate." if table.estimated else "The table, as given.",
+        lambda: figures.table_and_estimate(name, table),
+        "last",
     )
-    best = best_fit(fits)
-    if best is not None:
-        headline = _headline_fits(fits)
-        out += [
-            _Picture(
-                f"{name}-best-fit",
-                f"Table, best fit ({best.approximation.name}) and signed error.",
-                figures.table_and_fit(name, table, best),
-            ),
-            _Picture(
-                f"{name}-error-maps",
-                "Signed error of every fit; each map has its own scale.",
-                figures.error_maps(name, table, fits),
-            ),
-            _Picture(
-                f"{name}-error-along-axes",
-                "Absolute error along each axis: mean (line) and largest (dashes) over the others.",
-                figures.error_along_axes(name, table, headline, published),
-            ),
-        ]
-    return out
-
-
-def _verdict(fits: Sequence[Fit]) -> str:
-    best = best_fit(fits)
-    if best is None:
-        return "No fits were asked for."
-    if not best.ok:
-        return f"No usable fit: {best.warning()}."
-    verdict = (
-        f"Best fit: {best.approximation.name}, {best.approximation.count} coefficients: MAE {best.mae:.2e}, "
-        f"RMSE {best.rmse:.2e}, largest error {best.max_error:.2e}"
+    best_ = best_fit(fits)
+    if best_ is None:
+        return
+    yield _Drawing(
+        f"{name}-best-fit",
+        f"Table, best fit ({best_.approximation.name}) and signed error.",
+        lambda: figures.table_and_fit(name, table, best_),
+        "",
     )
-    if not np.isfinite(best.errors.furnace_max):
-        return verdict + "."  # the table or the fit reaches 0: no normaliser
-    return (
-        f"{verdict}; a white furnace normalised with it deviates by "
-        f"{100 * best.errors.furnace_mean:.2g} % on average and "
-        f"{100 * best.errors.furnace_max:.2g} % at worst."
+    yield _Drawing(
+        f"{name}-error-maps",
+        "Signed error of every fit; each map has its own scale.",
+        lambda: figures.error_maps(name, table, fits),
+        "",
+    )
+    yield _Drawing(
+        f"{name}-error-along-axes",
+        "Absolute error along each axis: mean (line) and largest (dashes) over the others.",
+        lambda: figures.error_along_axes(name, table, _headline_fits(fits), published),
+        "last",
     )
 
 
-def _inline(svg: bytes, prefix: str) -> str:
-    """An SVG for a page that holds several: no XML header, and ids that do not clash."""
-    text = svg.decode("utf-8")
-    text = text[text.index("<svg") :]
-    # Hundredths of a point are not seen, but weigh a third of the page.
-    text = re.sub(r"(\d\.\d\d)\d+", r"\1", text)
-    text = re.sub(r">\s+<", "><", text)
-    used = set(re.findall(r'(?:url\(#|href="#)([^")]+)', text))
-    text = re.sub(r' id="([^"]+)"', lambda m: f' id="{prefix}{m[1]}"' if m[1] in used else "", text)
-    return re.sub(r'(url\(#|href="#)', lambda m: m[1] + prefix, text)
+def _written(drawing: _Drawing, folder: Path, kinds: Sequence[str], prefix: str) -> _Picture:
+    """The picture of a drawing for the page, after its files are written."""
+    if not (kinds or drawing.page):
+        return _Picture(drawing.stem, drawing.caption, "", False)
+    figure = drawing.draw()
+    files = {kind: rendered(figure, kind) for kind in kinds}
+    for kind, content in files.items():
+        path = folder / f"{drawing.stem}.{kind}"
+        write_atomically(path, lambda file, content=content: file.write(content))
+    svg = ""
+    if drawing.page:
+        content = files.get("svg") or rendered(figure, "svg")
+        svg = inline(content, prefix, drawing.caption)
+    return _Picture(drawing.stem, drawing.caption, svg, drawing.page == "first")
+
+
+def _section(study: StudyLike, number: int, name: str, table: Table, prove: Prover) -> _Section:
+    fits, published = study.fits.get(name, []), study.published.get(name, [])
+    rows = entries(table, fits, published)
+    chosen = [
+        _Chosen(c.budget, c.allowance, c.entry, c.proved, _codes(c.entry, name)) for c in choices(rows, prove)
+    ]
+    named = [c.entry for c in chosen]
+    # The best of ours is told in words even where a published one is better within every budget.
+    ours = best([e for e in rows if e.kind == "fit"])
+    besides = [ours] if ours is not None and ours not in named else []
+    spare = [_Chosen(None, "", e, prove(e.approximation), _codes(e, name)) for e in besides]
+    drawn = list(dict.fromkeys([*besides, *named, *(e for e in rows if e.kind == "published")]))
+    drawings = _drawings(name, table, fits, published, rows, study.searches.get(name, []))
+    folder, kinds = study.folder / "figures", study.config.report.figures
+    return _Section(
+        name,
+        table,
+        rows,
+        sentences(rows),
+        chosen,
+        [*chosen, *spare],
+        [_written(d, folder, kinds, f"s{number}f{i}-") for i, d in enumerate(drawings)],
+        slices(table, drawn),
+        drawn.index(ours) if ours is not None else 0,
+        maps(table, rows),
+        [c for approximation, _ in published for c in compare(approximation, fits)],
+    )
+
+
+def _with_shared_styles(sections: Sequence[_Section]) -> tuple[list[_Section], str]:
+    """The sections with figures whose styles are classes, and the sheet that defines these."""
+    svgs, sheet = shared([picture.svg for section in sections for picture in section.pictures if picture.svg])
+    left = iter(svgs)
+    out = [
+        replace(s, pictures=[replace(p, svg=next(left)) if p.svg else p for p in s.pictures])
+        for s in sections
+    ]
+    return out, sheet
+
+
+def _codes(entry: Entry, table: str) -> list[Code]:
+    found = codes(entry, table)
+    return found if sum(len(c.text) for c in found) <= _CODE_ROOM else []
 
 
 def write_report(study: StudyLike) -> None:
@@ -182,21 +263,22 @@ def write_report(study: StudyLike) -> None:
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    sections = []
-    for name, table in study.tables.items():
-        fits, published = study.fits.get(name, []), study.published.get(name, [])
-        pictures = _pictures(name, table, fits, published, study.searches.get(name, []))
-        svg = []
-        for picture in pictures:
-            bytes_ = rendered(picture.figure, "svg")
-            svg.append(_inline(bytes_, f"{picture.stem}-"))
-            for kind in study.config.report.figures:
-                content = bytes_ if kind == "svg" else rendered(picture.figure, kind)
-                path = study.folder / "figures" / f"{picture.stem}.{kind}"
-                write_atomically(path, lambda file, content=content: file.write(content))
-        coefficients = [c for approximation, _ in published for c in compare(approximation, fits)]
-        sections.append(_Section(name, table, fits, published, _verdict(fits), pictures, svg, coefficients))
+    prove = prover(study.folder)
+    sections = [_section(study, i, name, t, prove) for i, (name, t) in enumerate(study.tables.items())]
+    rows = [row for section in sections for row in section.rows]
+    ours = sum(row.kind == "fit" for row in rows)
+    sections, styles = _with_shared_styles(sections)
     kind = study.config.report.figures[0] if study.config.report.figures else None
-    context = {"study": study, "sections": sections, "warnings": study.warnings(), "image": kind}
+    context = {
+        "study": study,
+        "sections": sections,
+        "counts": {"fits": ours, "others": len(rows) - ours},
+        "warnings": study.warnings(),
+        "image": kind,
+        "infinity": float("inf"),
+        "percentage": percentage,
+        "css": environment.get_template("report.css").render() + styles,
+        "js": environment.get_template("report.js").render(),
+    }
     for page in ("report.html", "report.md"):
         write_text(study.folder / page, environment.get_template(page).render(**context))

@@ -13,6 +13,7 @@ from typing import Any
 from ecfit.approximation import Approximation
 from ecfit.approximation.tables import as_lookup, lookup_name
 from ecfit.config import StudyConfig, read_config, to_toml
+from ecfit.display import grid
 from ecfit.errors import EcfitError
 from ecfit.files import make_folder, write_json, write_text
 from ecfit.fitting import Fit
@@ -77,6 +78,40 @@ class Study:
     def report(self) -> Path:
         """The report's page."""
         return self.folder / "report.html"
+
+    def __repr__(self) -> str:
+        fits = sum(map(len, self.fits.values()))
+        return f"<Study {self.config.name}: {len(self.tables)} tables, {fits} fits, in {self.folder}>"
+
+    def __str__(self) -> str:
+        lines = [f"study {self.config.name}, report: {self.report}"]
+        for name in self.tables:
+            lines += [f"table {name}: {line}" for line in self._verdict(name)]
+        return "\n".join([*lines, *(f"WARNING: {w}" for w in self.warnings())])
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (
+                name,
+                f.approximation.name,
+                f.approximation.count,
+                f"{f.rmse:.3e}",
+                f"{f.max_error:.3e}",
+                f.status,
+            )
+            for name, fits in self.fits.items()
+            for f in fits
+        ]
+        header = ("table", "fit", "coefficients", "RMSE", "largest error", "status")
+        verdict = [f"{name}: {line}" for name in self.tables for line in self._verdict(name)]
+        return grid(f"Study {self.config.name} in {self.folder}", header, rows, [*verdict, *self.warnings()])
+
+    def _verdict(self, name: str) -> list[str]:
+        from ecfit.report.entries import entries
+        from ecfit.report.verdict import sentences
+
+        table = self.tables[name]
+        return sentences(entries(table, self.fits.get(name, []), self.published.get(name, [])))
 
     def warnings(self) -> list[str]:
         """Everything that went wrong, loudest first."""

@@ -13,6 +13,7 @@ import numpy as np
 
 from ecfit.contract import Contract
 from ecfit.coordinates import Axis, Grid
+from ecfit.display import facts
 from ecfit.errors import EcfitError
 from ecfit.files import write_atomically
 from ecfit.quadrature import FINE, STATUS, Status
@@ -157,6 +158,20 @@ class Table:
             if status not in FINE and count:
                 lines.append(f"WARNING: {count} entries: {STATUS[status]}")
         return lines + [f"WARNING: {remark}" for remark in self.remarks()]
+
+    def __repr__(self) -> str:
+        size = " x ".join(f"{a.name} {len(a)}" for a in self.axes)
+        finite = self.values[self.usable]
+        ends = f", in [{finite.min():.4g}, {finite.max():.4g}]" if finite.size else ", no finite entry"
+        error = f", error <= {np.nanmax(self.errors):.2g}" if self.estimated else ""
+        return f"<Table of {self.contract.quantity} of {self.contract.model}: {size}{ends}{error}>"
+
+    def __str__(self) -> str:
+        return "\n".join(self.describe())
+
+    def _repr_html_(self) -> str:
+        first, *rest = self.describe()
+        return facts(first, [("table", line) for line in rest] + self.contract.describe())
 
     def save(self, path: str | Path) -> None:
         """Write one NPZ file (no pickle); a killed write leaves the old file."""
