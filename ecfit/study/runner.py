@@ -177,7 +177,7 @@ def _assemble(
 
 def _resolved(config: StudyConfig, base: Path, folder: Path) -> dict[str, Any]:
     """The config with all defaults, rerunnable from its place in the results folder."""
-    data = config.model_dump(exclude_none=True)
+    data = config.model_dump(exclude_none=True, by_alias=True)
 
     def from_there(path: str) -> str:
         return Path(os.path.relpath(base / path, folder)).as_posix()
