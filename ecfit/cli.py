@@ -357,6 +357,34 @@ def certify(fit: str, *, samples: int = 20_000, seed: int = 1, output: Path | No
 
 
 @app.command
+def verify(folder: Path, *, entries: int = 1024, refits: int = 1, seed: int = 1) -> None:
+    """Compute a sample of a study's results again and say whether they still hold.
+
+    Exits with 1 where something does not. Plugins that the study's config names are imported.
+
+    Parameters
+    ----------
+    folder
+        Of the study, such as results/paper-small; its tables need not be there.
+    entries
+        Nodes of each table that are integrated again; a table that has no more is integrated whole.
+    refits
+        Fits that are made again, of tables that were integrated whole.
+    seed
+        Of what is drawn.
+    """
+    from ecfit.config import read_config
+
+    read_config(folder / "config.toml")
+    from ecfit.study.verify import verify as verify_
+
+    done = verify_(folder, entries=entries, refits=refits, seed=seed)
+    print("\n".join(done.describe()))
+    if not done:
+        raise SystemExit(1)
+
+
+@app.command
 def ship(config: Path, *, output: Path, results: Path = Path("results"), samples: int = 20_000) -> None:
     """Certify the named fits of a finished study and write those that are granted, one file each.
 
