@@ -1,7 +1,7 @@
 """What the tests of hostile input share: wrong values for every place, and a guard that sees what is done.
 
-The guard is an audit hook (PEP 578): it sees every file that Python opens for writing, makes, moves or removes,
-every process that is started, and every object that pickle would look up, whoever does it.
+The guard is an audit hook (PEP 578): it sees every file that Python opens for writing, makes, moves or
+removes, every process that is started, and every object that pickle would look up, whoever does it.
 """
 
 import copy
@@ -20,8 +20,9 @@ from hypothesis import strategies as st
 from ecfit.errors import EcfitError
 
 TEXTS = [
-    "", " ", "x", "../x", "../../../../tmp/ecfit-escaped", "/tmp/ecfit-escaped", "..", ".", "a/b", "a\\b", "~",
-    "a\x00b", "a\nb", "\ud7ff", "\U0001f600", "'; DROP", "<script>alert(1)</script>", '"><img src=x onerror=y>',
+    "", " ", "x", "../x", "../../../../tmp/ecfit-escaped", "/tmp/ecfit-escaped", "..", ".", "a/b", "a\\b",
+    "~", "a\x00b", "a\nb", "\ud7ff", "\U0001f600", "'; DROP", "<script>alert(1)</script>",
+    '"><img src=x onerror=y>',
     "$\\frac{$", "$x_$", "{{ 7 * 7 }}", "%s%n", "x" * 5000, "__class__", "constructor", "CON", "-", "--help",
     "__import__('os').system('touch /tmp/ecfit-escaped')", "r", "mu", "F0", "alpha", "ior", "E", "1-E",
     "x/0", "2**99999", "9**9**9", "1e999", "exp(1e9)", "log(-1)", "sqrt(-mu)", "(" * 300, "-" * 900 + "1",
@@ -29,8 +30,8 @@ TEXTS = [
 ]  # fmt: skip
 
 NUMBERS = [
-    0, 1, -1, 2, 3, 7, 64, 65, 2**31, 2**63, 2**64, -(2**63), 10**400, 0.0, -0.0, 0.5, 1.5, -2.5, 1e-320, 1e30,
-    1e308, -1e308, float("nan"), float("inf"), float("-inf"), True, False,
+    0, 1, -1, 2, 3, 7, 64, 65, 2**31, 2**63, 2**64, -(2**63), 10**400, 0.0, -0.0, 0.5, 1.5, -2.5, 1e-320,
+    1e30, 1e308, -1e308, float("nan"), float("inf"), float("-inf"), True, False,
 ]  # fmt: skip
 
 values = st.one_of(
@@ -131,7 +132,8 @@ def settled(call: Callable[[], object], seconds: int = 20) -> bool:
     try:
         call()
     except EcfitError as error:
-        assert str(error).strip()
+        if not str(error).strip():
+            raise AssertionError("an error without a message") from error
         return False
     finally:
         _Guard.active = False

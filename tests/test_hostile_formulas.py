@@ -51,7 +51,7 @@ def use(path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", [*FILES, "lookup"])
-@many(40, 500)
+@many(10, 300)
 def test_a_changed_file_of_any_kind_is_a_formula_or_an_error(
     tmp_path: Path, originals: dict[str, Any], kind: str, cases: int
 ):
@@ -67,7 +67,7 @@ def test_a_changed_file_of_any_kind_is_a_formula_or_an_error(
         tried(cases, changes, case)
 
 
-@many(40, 500)
+@many(10, 300)
 def test_damaged_bytes_are_a_formula_or_an_error(tmp_path: Path, originals: dict[str, Any], cases: int):
     path = tmp_path / "fit.json"
     good = json.dumps(originals["rational"]).encode()
@@ -80,13 +80,16 @@ def test_damaged_bytes_are_a_formula_or_an_error(tmp_path: Path, originals: dict
         tried(cases, damages, case)
 
 
-@many(100, 1000)
+@many(40, 500)
 def test_text_is_a_formula_or_an_error_and_is_never_executed(tmp_path: Path, cases: int):
     """Pieces of formulas and of Python, in any order."""
     pieces = st.sampled_from([
-        "mu", "r", "1", "2.5", "1e308", "0", "+", "-", "*", "/", "**", "(", ")", ",", " ", "sqrt(", "exp(", "log(",
-        "max(", "min(", "abs(", "saturate(", "__import__('os')", ".system", "[0]", "lambda: ", "'x'", "f'{mu}'", "\\",
-        "if", "else", "==", "@", "~", "not ", "\n", "\t", "\x00", "é", "10**400", "=", ":=", "{}", "print(1)", "#",
+        "mu", "r", "1", "2.5", "1e308", "0", "+", "-", "*", "/", "**", "(", ")", ",", " ", "sqrt(", "exp(",
+        "log(",
+        "max(", "min(", "abs(", "saturate(", "__import__('os')", ".system", "[0]", "lambda: ", "'x'",
+        "f'{mu}'", "\\",
+        "if", "else", "==", "@", "~", "not ", "\n", "\t", "\x00", "é", "10**400", "=", ":=", "{}",
+        "print(1)", "#",
     ])  # fmt: skip
     text = st.lists(pieces, max_size=14).map("".join)
     from ecfit.expressions import parse

@@ -15,7 +15,7 @@ from ecfit.approximation import Approximation
 from ecfit.approximation.tables import as_lookup, lookup_name
 from ecfit.config import StudyConfig, read_config, to_toml
 from ecfit.errors import EcfitError
-from ecfit.files import make_folder, read_text, write_json, write_text
+from ecfit.files import clear_parts, make_folder, read_text, write_json, write_text
 from ecfit.fitting import Fit
 from ecfit.fitting.selection import Choice, front
 from ecfit.metrics import Errors, measure
@@ -124,6 +124,8 @@ def run(
     plan = make_plan(checked, path.parent)
     root = make_folder(Path(results))
     folder = make_folder(root / checked.name)
+    for place in (root / "tables", folder, folder / "fits", folder / "searches", folder / "figures"):
+        clear_parts(place)
     tell = progress or Progress()
     seconds: dict[str, float] = {}
     write_text(folder / "config.toml", to_toml(_resolved(checked, path.parent, folder)))

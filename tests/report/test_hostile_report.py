@@ -18,6 +18,7 @@ from ecfit.report.write import write_report
 MARKUP = "<script>alert(1)</script><img src=x onerror=alert(2)>\"'&amp;</style><!--"
 MATHS = "$\\frac{$ x_ \\ {{ 7 * 7 }} {% raw %} %s"
 
+
 class Page(HTMLParser):
     """Elements and attributes of a page."""
 
