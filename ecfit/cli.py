@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, NoReturn
 
 from cyclopts import App, CycloptsError, Parameter
 
+from ecfit._cache import keep_compiled
 from ecfit.errors import EcfitError
 
 # Before NumPy loads: JAX has a pool of threads of its own, and where two pools share the cores small
@@ -583,6 +584,7 @@ def _fail(text: str, code: int = 2) -> NoReturn:
 
 def main(arguments: list[str] | None = None) -> None:
     """Entry point: a mistake is one message and exit code 2; an interrupt says how to go on (130)."""
+    keep_compiled()
     try:
         app(arguments, exit_on_error=False, print_error=False)
     except CycloptsError as error:

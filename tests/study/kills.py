@@ -14,6 +14,12 @@ import time
 import warnings
 from pathlib import Path
 
+from ecfit._cache import SWITCH, keep_compiled
+
+if __name__ == "__main__":
+    os.environ[SWITCH] = str(Path(sys.argv[1]) / "cache")
+    keep_compiled()  # before JAX loads: most of a run would be compiling
+
 from ecfit.study import runner
 from ecfit.tables import Table
 
