@@ -45,14 +45,15 @@ def look() -> Iterator[None]:
         yield
 
 
-def _as_written(figure: Figure) -> None:
-    """Names come from users: a dollar sign in one begins no mathematics. Numbers beside ticks are ours."""
+def as_written(figure: Figure) -> Figure:
+    """The figure with names as users write them: a dollar sign begins mathematics beside ticks only."""
     ticks = {t for axes in figure.axes for axis in (axes.xaxis, axes.yaxis) for t in axis.findobj(Text)}
     labels = {axis.label for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)}
     cells = {cell.get_text() for cell in figure.findobj(Cell) if isinstance(cell, Cell)}
     for text in {*figure.findobj(Text), *cells}:
         if isinstance(text, Text) and (text not in ticks or text in labels):
             text.set_parse_math(False)
+    return figure
 
 
 def rendered(figure: Figure, kind: str) -> bytes:
@@ -60,7 +61,6 @@ def rendered(figure: Figure, kind: str) -> bytes:
     buffer = io.BytesIO()
     metadata = {"Date": None, "Creator": None} if kind == "svg" else {"Software": None}
     with look():
-        _as_written(figure)
         if figure.get_layout_engine() is not None:
             # Once for all formats: finding the layout takes longer than drawing.
             figure.draw_without_rendering()

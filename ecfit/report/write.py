@@ -18,7 +18,7 @@ from ecfit.fitting.selection import Choice
 from ecfit.metrics import Errors
 from ecfit.report import figures
 from ecfit.report.coefficients import Comparison, compare
-from ecfit.report.style import rendered
+from ecfit.report.style import as_written, rendered
 from ecfit.tables import Table
 
 
@@ -188,7 +188,7 @@ def write_report(study: StudyLike) -> None:
         pictures = _pictures(name, table, fits, published, study.searches.get(name, []))
         svg = []
         for picture in pictures:
-            bytes_ = rendered(picture.figure, "svg")
+            bytes_ = rendered(as_written(picture.figure), "svg")
             svg.append(_inline(bytes_, f"{picture.stem}-"))
             for kind in study.config.report.figures:
                 content = bytes_ if kind == "svg" else rendered(picture.figure, kind)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 import ecfit
 from ecfit.config import StudyConfig
-from ecfit.report.style import rendered
+from ecfit.report.style import as_written, rendered
 from ecfit.report.write import write_report
 
 MARKUP = "<script>alert(1)</script><img src=x onerror=alert(2)>\"'&amp;</style><!--"
@@ -85,6 +85,6 @@ def test_dollar_signs_of_names_begin_no_mathematics_and_those_of_ticks_do():
     axes.plot([1.0, 2.0], [1e-3, 1e3], label=MATHS)
     axes.set(yscale="log", title=MATHS, xlabel=MATHS, ylabel=MATHS)
     axes.legend()
-    drawn = rendered(figure, "svg").decode()
+    drawn = rendered(as_written(figure), "svg").decode()
     assert drawn.count(">$\\frac{$ x") >= 4
     assert ">$\\mathdefault" not in drawn  # 10^2 of the ticks is drawn, not its text
