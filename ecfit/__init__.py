@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from ecfit.quantities import directional_albedo as directional_albedo
     from ecfit.study import Study as Study
     from ecfit.study import run as run
+    from ecfit.study.verify import verify as verify
     from ecfit.tables import Table as Table
     from ecfit.tables import read_table as read_table
     from ecfit.tables import tabulate as tabulate
@@ -68,6 +69,7 @@ _HOME = {
     "directional_albedo": "ecfit.quantities",
     "Study": "ecfit.study",
     "run": "ecfit.study",
+    "verify": "ecfit.study.verify",
     "Table": "ecfit.tables",
     "read_table": "ecfit.tables",
     "tabulate": "ecfit.tables",

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, NoReturn
 
 from cyclopts import App, CycloptsError, Parameter
 
+from ecfit._cache import keep_compiled
 from ecfit.errors import EcfitError
 
 # Before NumPy loads: JAX has a pool of threads of its own, and where two pools share the cores small
@@ -442,6 +443,34 @@ def export(
 
 
 @app.command
+def verify(folder: Path, *, entries: int = 1024, refits: int = 1, seed: int = 1) -> None:
+    """Compute a sample of a study's results again and say whether they still hold.
+
+    Exits with 1 where something does not. Plugins that the study's config names are imported.
+
+    Parameters
+    ----------
+    folder
+        Of the study, such as results/paper-small; its tables need not be there.
+    entries
+        Nodes of each table that are integrated again; a table that has no more is integrated whole.
+    refits
+        Fits that are made again, of tables that were integrated whole.
+    seed
+        Of what is drawn.
+    """
+    from ecfit.config import read_config
+
+    read_config(folder / "config.toml")
+    from ecfit.study.verify import verify as verify_
+
+    done = verify_(folder, entries=entries, refits=refits, seed=seed)
+    print("\n".join(done.describe()))
+    if not done:
+        raise SystemExit(1)
+
+
+@app.command
 def ship(config: Path, *, output: Path, results: Path = Path("results"), samples: int = 20_000) -> None:
     """Certify the named fits of a finished study and write those that are granted, one file each.
 
@@ -640,6 +669,7 @@ def _fail(text: str, code: int = 2) -> NoReturn:
 
 def main(arguments: list[str] | None = None) -> None:
     """Entry point: a mistake is one message and exit code 2; an interrupt says how to go on (130)."""
+    keep_compiled()
     try:
         app(arguments, exit_on_error=False, print_error=False)
     except CycloptsError as error:

@@ -3,7 +3,9 @@
 import json
 import os
 import tempfile
+import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any
 
@@ -41,6 +43,18 @@ def write_atomically(path: Path, write: Callable[[IO[bytes]], object]) -> None:
         if temporary is not None:
             Path(temporary).unlink(missing_ok=True)
         raise
+
+
+# Seconds after which a temporary file is nobody's: writing one takes less, even of gigabytes on slow disks.
+STALE = 3600.0
+
+
+def clear_parts(folder: Path) -> None:
+    """Remove temporary files that killed runs left in a folder; those of a run at work are younger."""
+    for path in folder.glob(".*.part"):
+        with suppress(OSError):  # another run may be faster
+            if time.time() - path.stat().st_mtime > STALE:
+                path.unlink()
 
 
 def write_text(path: Path, text: str) -> None:

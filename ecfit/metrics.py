@@ -2,11 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from ecfit.approximation import Approximation
+from ecfit.contract import Contract
+from ecfit.coordinates import Grid
 from ecfit.errors import EcfitError
 from ecfit.tables import Table
 
@@ -44,13 +46,22 @@ class Errors:
         return cls(place=place, **numbers)
 
 
-def predict(approximation: Approximation, table: Table) -> np.ndarray:
+class Gridded(Protocol):
+    """A grid with its conventions: a table, or the request for one."""
+
+    @property
+    def grid(self) -> Grid: ...
+    @property
+    def contract(self) -> Contract: ...
+
+
+def predict(approximation: Approximation, table: Gridded) -> np.ndarray:
     """The approximation on the table's nodes, at the coordinates that a fit sees; the table's shape.
 
     What the table holds fixed by its contract (ior = 1.5) a formula may have as a variable. Raises
     `EcfitError` where the table does not have the approximation's coordinates.
     """
-    axes = {axis.name: axis.nominal for axis in table.axes}
+    axes = {axis.name: axis.nominal for axis in table.grid.axes}
     nodes, order = approximation.nodes_of(axes, table.contract.parameters)
     return np.transpose(approximation.on_grid(nodes), np.argsort(order)).reshape(table.grid.shape)
 
@@ -82,7 +93,7 @@ def measure(approximation: Approximation, table: Table) -> Errors:
     )
 
 
-def prediction_range(approximation: Approximation, table: Table) -> tuple[float, float]:
+def prediction_range(approximation: Approximation, table: Gridded) -> tuple[float, float]:
     """Least and largest value of the approximation on the table's nodes and on a grid between them."""
     counts = {1: 4097, 2: 193, 3: 49}
     count = counts.get(len(approximation.domain), 13)

@@ -7,6 +7,8 @@ from typing import Any
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
+from matplotlib.table import Cell
+from matplotlib.text import Text
 
 # Okabe & Ito 2008: eight colours that people with any colour vision tell apart.
 COLOURS = {
@@ -48,10 +50,22 @@ def look() -> Iterator[None]:
         yield
 
 
+def as_written(figure: Figure) -> Figure:
+    """The figure with names as users write them: a dollar sign begins mathematics beside ticks only."""
+    ticks = {t for axes in figure.axes for axis in (axes.xaxis, axes.yaxis) for t in axis.findobj(Text)}
+    labels = {axis.label for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)}
+    cells = {cell.get_text() for cell in figure.findobj(Cell) if isinstance(cell, Cell)}
+    for text in {*figure.findobj(Text), *cells}:
+        if isinstance(text, Text) and (text not in ticks or text in labels):
+            text.set_parse_math(False)
+    return figure
+
+
 def rendered(figure: Figure, kind: str) -> bytes:
     """A figure as the bytes of an SVG or PNG file, without dates or versions."""
     buffer = io.BytesIO()
     metadata = {"Date": None, "Creator": None} if kind == "svg" else {"Software": None}
+    as_written(figure)
     with look():
         if figure.get_layout_engine() is not None:
             # Once for all formats: finding the layout takes longer than drawing.

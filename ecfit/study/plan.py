@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,6 +27,9 @@ from ecfit.tables.tabulate import default_range, source_hash
 FITTING_VERSION = 4
 # The same for what searches find.
 SEARCH_VERSION = 1
+
+# Labels hold names that configs and plugins give to heads and forms: no separators, no control characters.
+_FILE_NAME = re.compile(r"[\w .+-]{1,200}")
 
 
 @dataclass(frozen=True)
@@ -144,6 +148,10 @@ def make_plan(config: StudyConfig, base: Path) -> Plan:
                 grid = requests[name].grid
                 norm = "" if section.norm == "least-squares" else f"-{section.norm}"
                 label = section.name or f"{name}-{made.name}-{made.degree.replace('/', '-')}{norm}"
+                if not _FILE_NAME.fullmatch(label):
+                    raise EcfitError(
+                        f"fit {label!r}: no file can have this name; give the fit a name of plain words"
+                    )
                 rest = section.norm_settings()
                 try:
                     check_data(grid, made)

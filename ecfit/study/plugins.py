@@ -37,7 +37,8 @@ def load_plugin(name: str, base: Path) -> None:
             importlib.import_module(name)
     except EcfitError:
         raise
-    except Exception as error:  # whatever the user's module raises is reported as its fault
+    # Whatever the user's module raises is reported as its fault; a script that ends itself does, too.
+    except (Exception, SystemExit) as error:
         raise EcfitError(f"plugin '{name}' failed to import: {type(error).__name__}: {error}") from error
 
 

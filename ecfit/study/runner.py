@@ -1,6 +1,7 @@
 """Running a study: tables, then fits, then the report; whatever is finished on disk is not done again."""
 
 import csv
+import hashlib
 import io
 import os
 import time
@@ -15,7 +16,7 @@ from ecfit.approximation.tables import as_lookup, lookup_name
 from ecfit.config import StudyConfig, read_config, to_toml
 from ecfit.display import grid
 from ecfit.errors import EcfitError
-from ecfit.files import make_folder, write_json, write_text
+from ecfit.files import clear_parts, make_folder, read_text, write_json, write_text
 from ecfit.fitting import Fit
 from ecfit.fitting.selection import Choice, front
 from ecfit.metrics import Errors, measure
@@ -158,6 +159,8 @@ def run(
     plan = make_plan(checked, path.parent)
     root = make_folder(Path(results))
     folder = make_folder(root / checked.name)
+    for place in (root / "tables", folder, folder / "fits", folder / "searches", folder / "figures"):
+        clear_parts(place)
     tell = progress or Progress()
     seconds: dict[str, float] = {}
     write_text(folder / "config.toml", to_toml(_resolved(checked, path.parent, folder)))
@@ -166,7 +169,7 @@ def run(
         name: [_table(r, f"{name} as {lookup_name(r.grid)}", root, seconds, tell) for r in requests]
         for name, requests in plan.lookups.items()
     }
-    paths = {name: _table_path(request, root) for name, request in plan.requests.items()}
+    paths = {name: table_path(request, root) for name, request in plan.requests.items()}
     needed = {key for fit in missing_fits(plan, folder) for key in fit.searches}
     if plan.searches:
         with tell.stage("searches", len(plan.searches)) as advance:
@@ -187,9 +190,9 @@ def load(config: str | Path, results: str | Path = "results") -> Study:
     checked = read_config(path)
     plan = make_plan(checked, path.parent)
     root, folder = Path(results), Path(results) / checked.name
-    tables = {name: Table.load(_table_path(request, root)) for name, request in plan.requests.items()}
+    tables = {name: Table.load(table_path(request, root)) for name, request in plan.requests.items()}
     lookups = {
-        name: [Table.load(_table_path(request, root)) for request in requests]
+        name: [Table.load(table_path(request, root)) for request in requests]
         for name, requests in plan.lookups.items()
     }
     return _assemble(plan, folder, tables, lookups, load_fits(plan, folder), {})
@@ -212,7 +215,7 @@ def _assemble(
 
 def _resolved(config: StudyConfig, base: Path, folder: Path) -> dict[str, Any]:
     """The config with all defaults, rerunnable from its place in the results folder."""
-    data = config.model_dump(exclude_none=True)
+    data = config.model_dump(exclude_none=True, by_alias=True)
 
     def from_there(path: str) -> str:
         return Path(os.path.relpath(base / path, folder)).as_posix()
@@ -224,7 +227,8 @@ def _resolved(config: StudyConfig, base: Path, folder: Path) -> dict[str, Any]:
     return {key: value for key, value in data.items() if value != []}
 
 
-def _table_path(request: Request | Given, root: Path) -> Path:
+def table_path(request: Request | Given, root: Path) -> Path:
+    """The file of a request's table in a results folder, shared by its studies."""
     return root / "tables" / f"{request.key}.npz"
 
 
@@ -232,7 +236,7 @@ def _table(
     request: Request | Given, name: str, root: Path, seconds: dict[str, float], tell: Progress
 ) -> Table:
     """The table of a request, from disk where it is there; `name` is what progress and timings call it."""
-    path = _table_path(request, root)
+    path = table_path(request, root)
     if path.exists():
         try:
             table = Table.load(path)
@@ -279,25 +283,30 @@ def _ratio(value: float | None) -> str:
     return "" if value is None or value == float("inf") else _number(value)
 
 
+def summary_row(table: str, fit: Fit) -> tuple[Any, ...]:
+    """The row of a fit in `summary.csv`."""
+    return (
+        table,
+        fit.approximation.form,
+        fit.approximation.degree,
+        fit.approximation.count,
+        *_error_cells(fit.errors),
+        _number(fit.smallest.value),
+        fit.status,
+        _place(fit.errors),
+        _number(fit.errors.furnace_mean),
+        _number(fit.errors.furnace_max),
+        _number(fit.prediction[0]),
+        _number(fit.prediction[1]),
+        fit.iterations,
+        _ratio(fit.max_over_least),
+    )
+
+
 def _summary_rows(study: Study) -> Iterator[tuple[Any, ...]]:
     for name, fits in study.fits.items():
         for fit in fits:
-            yield (
-                name,
-                fit.approximation.form,
-                fit.approximation.degree,
-                fit.approximation.count,
-                *_error_cells(fit.errors),
-                _number(fit.smallest.value),
-                fit.status,
-                _place(fit.errors),
-                _number(fit.errors.furnace_mean),
-                _number(fit.errors.furnace_max),
-                _number(fit.prediction[0]),
-                _number(fit.prediction[1]),
-                fit.iterations,
-                _ratio(fit.max_over_least),
-            )
+            yield summary_row(name, fit)
     for name, rows in study.published.items():
         for approximation, errors in rows:
             smallest = approximation.smallest_denominator()
@@ -353,12 +362,23 @@ def _place(errors: Errors) -> str:
     return " ".join(f"{k}={v:.6g}" for k, v in errors.place.items())
 
 
+def config_hash(folder: Path) -> str:
+    """SHA-256 of the resolved config in a study's folder."""
+    return hashlib.sha256(read_text(folder / "config.toml").encode()).hexdigest()
+
+
 def _provenance(study: Study) -> dict[str, Any]:
+    """What the numbers were made of: versions, and hashes of the config and of every table's numbers."""
     return {
         "study": study.config.name,
+        "config": config_hash(study.folder),
         "versions": versions(),
         "tables": {
-            name: {"key": table.provenance.get("key", ""), "versions": dict(table.provenance)}
+            name: {
+                "key": table.provenance.get("key", ""),
+                "values": table.digest,
+                "versions": dict(table.provenance),
+            }
             for name, table in study.tables.items()
         },
     }

@@ -1,5 +1,6 @@
 """`Table`: float64 values with error estimates, axes, contract and provenance, in one NPZ file."""
 
+import hashlib
 import io
 import json
 import zipfile
@@ -128,6 +129,11 @@ class Table:
     def estimated(self) -> bool:
         """Whether anything is known of the errors."""
         return not np.isnan(self.errors).all()
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the values, entry by entry (float64, C order): equal only where every bit is."""
+        return hashlib.sha256(np.ascontiguousarray(self.values).tobytes()).hexdigest()
 
     def counts(self) -> dict[Status, int]:
         """Number of entries of each status."""

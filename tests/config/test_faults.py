@@ -42,6 +42,14 @@ published = ["sforza-pellacini-2022-conductor"]
 [report]
 figures = ["svg", "png"]
 """
+# A key whose field has another name.
+MODULE = """
+[[fits]]
+tables = ["white"]
+form = "module"
+module = "written"
+settings = { variables = ["mu"], formula = "1 - a*mu", constants = { a = 0.5 } }
+"""
 
 # Values of every type and shape that TOML has, among them arrays in arrays in tables.
 VALUES = [
@@ -230,5 +238,5 @@ def test_written_toml_reads_back(data):
 
 def test_a_resolved_config_reads_back_as_itself(path):
     """What a study writes beside its results can be run again."""
-    config = read(path, GOOD)
-    assert read(path, to_toml(config.model_dump(exclude_none=True))) == config
+    config = read(path, GOOD + MODULE)
+    assert read(path, to_toml(config.model_dump(exclude_none=True, by_alias=True))) == config

@@ -93,3 +93,9 @@ def test_faults_are_told_before_anything_is_computed(tmp_path: Path, old: str, n
     config = written(tmp_path, CONFIG.replace(old, new))
     with pytest.raises(EcfitError, match=message):
         make_plan(read_config(config), tmp_path)
+
+
+@pytest.mark.usefixtures("no_report")
+def test_the_resolved_config_of_a_module_can_be_run_again(tmp_path: Path):
+    study = ecfit.run(written(tmp_path), tmp_path / "results")
+    assert ecfit.run(study.folder / "config.toml", tmp_path / "results").seconds == {}
