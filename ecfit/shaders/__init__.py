@@ -1,0 +1,10 @@
+"""Exported code compiled and run by the tools of its target, and compared with NumPy.
+
+The tools are optional: `missing` of each says what to install. `ecfit.shaders.check` compares.
+"""
+
+from ecfit.shaders.program import Function as Function
+from ecfit.shaders.tools import TOOLS as TOOLS
+from ecfit.shaders.tools import Tool as Tool
+from ecfit.shaders.tools import tool as tool
+from ecfit.shaders.ulps import ulps as ulps

@@ -1,0 +1,18 @@
+#version 450
+layout(local_size_x = 64) in;
+layout(std430, binding = 0) readonly buffer Given { float given[]; };
+layout(std430, binding = 1) buffer Found { float found[]; };
+
+//@functions
+
+void main() {
+  const uint i = gl_GlobalInvocationID.x, f = gl_WorkGroupID.y;
+  if (i >= @points@u) return;
+  const uint row = f * @points@u + i;
+  const float x0 = given[3u * row], x1 = given[3u * row + 1u], x2 = given[3u * row + 2u];
+  float value = 0.0;
+  switch (int(f)) {
+//@cases
+  }
+  found[row] = value;
+}

@@ -1,0 +1,63 @@
+"""Many functions in one program: the text that a target compiles, with an entry that calls each over points."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ecfit.errors import EcfitError
+
+# A point has so many numbers in the drivers' arrays; a function takes the first of them.
+ARGUMENTS = 3
+
+_ENTRIES = Path(__file__).with_name("entries")
+# How a function is chosen by its number where it is not C's way.
+_CASES = {".wgsl": "case {}: {{ value = {}({}); }}", ".osl": "if (f == {}) value = {}({});"}
+
+
+@dataclass(frozen=True)
+class Function:
+    """A function of real numbers as source text.
+
+    Attributes:
+        name: how it is called.
+        arguments: how many real numbers it takes, at most `ARGUMENTS`.
+        source: its definition, with whatever it needs.
+    """
+
+    name: str
+    arguments: int
+    source: str
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.arguments <= ARGUMENTS:
+            raise EcfitError(f"'{self.name}' takes {self.arguments} numbers, expected 1 to {ARGUMENTS}")
+
+
+def program(entry: str, functions: Sequence[Function], points: int) -> str:
+    """The whole text: functions, and the entry that calls function f at points (f, 0), (f, 1), ...
+
+    Args:
+        entry: name of a file in `entries`.
+        functions: with names of their own each.
+        points: how many of them each function is called at.
+
+    Raises `EcfitError` where two functions have one name.
+    """
+    names = [f.name for f in functions]
+    if len(set(names)) < len(names):
+        raise EcfitError("two functions of one program have the same name: give them names of their own")
+    case = _CASES.get(Path(entry).suffix, "case {}: value = {}({}); break;")
+    cases = [
+        "    " + case.format(i, f.name, ", ".join(f"x{k}" for k in range(f.arguments)))
+        for i, f in enumerate(functions)
+    ]
+    filled = {
+        "//@functions": "\n".join(f.source for f in functions),
+        "//@cases": "\n".join(cases),
+        "@points@": str(points),
+        "@functions@": str(len(functions)),
+    }
+    text = (_ENTRIES / entry).read_text()
+    for marker, found in filled.items():
+        text = text.replace(marker, found)
+    return text
