@@ -3,6 +3,7 @@
 The tools are optional: `missing` of each says what to install. `ecfit.shaders.check` compares.
 """
 
+from ecfit.shaders.devices import NoDevice as NoDevice
 from ecfit.shaders.program import Function as Function
 from ecfit.shaders.tools import TOOLS as TOOLS
 from ecfit.shaders.tools import Tool as Tool

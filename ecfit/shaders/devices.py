@@ -15,6 +15,12 @@ from ecfit.errors import EcfitError
 _DRIVERS = Path(__file__).with_name("drivers")
 # Seconds; the first run of a device takes about 5.
 _PATIENCE = 300.0
+# Enough to run without a graphics card on Debian.
+_DEVICES = "install libegl1, libgl1-mesa-dri, libvulkan1 and mesa-vulkan-drivers (make system)"
+
+
+class NoDevice(EcfitError):
+    """There is nothing to run on: no fault of the program."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +46,7 @@ class Device:
         return os.environ.get(self.variable) or sys.executable
 
     def missing(self) -> str | None:
-        """What to install, or None where the package is there; whether there is a device only a run tells."""
+        """What to install, or None where the package is there; whether there is a device, a run tells."""
         if self.variable:
             there = os.environ.get(self.variable)
             return None if there else f"no {self.package}: set {self.variable} to a Python that has it"
@@ -51,7 +57,8 @@ class Device:
     def run(self, program: bytes, given: np.ndarray) -> tuple[np.ndarray, str]:
         """Values (functions, points) float32 at `given` (functions, points, 3) float32, and the device's name.
 
-        Raises `EcfitError` where the driver fails, with the last line that it printed.
+        Raises `NoDevice` where the driver ends before it has found one, and `EcfitError` where it fails later,
+        with the last line that it printed.
         """
         with tempfile.TemporaryDirectory(prefix="ecfit-") as name:
             folder = Path(name)
@@ -68,33 +75,14 @@ class Device:
                 raise EcfitError(f"cannot start {self.python}: {error.strerror}; see {self.variable}") from None
             except subprocess.TimeoutExpired:
                 raise EcfitError(f"the driver {self.driver} hung for {_PATIENCE:.0f} s") from None
+            told = folder / "device.txt"
             if done.returncode:
                 lines = (done.stderr or done.stdout).strip().splitlines() or ["it said nothing"]
-                raise EcfitError(f"the driver {self.driver} failed ({done.returncode}): {lines[-1].strip()}")
-            return np.load(folder / "found.npy"), (folder / "device.txt").read_text().strip()
-
-    def reason(self) -> str | None:
-        """Why nothing can run, or None: tried with a program that is right. The answer is kept."""
-        if self not in _known:
-            _known[self] = self.missing() or _try(self)
-        return _known[self]
-
-
-_known: dict[Device, str | None] = {}
-_TRIAL = {"webgpu": "compute.wgsl", "gl": "compute.glsl"}
-
-
-def _try(device: Device) -> str | None:
-    from ecfit.shaders.program import program
-
-    if device.driver not in _TRIAL:
-        return None
-    entry = "fragment.glsl" if device.argument == "fragment" else _TRIAL[device.driver]
-    try:
-        device.run(program(entry, [], 1).encode(), np.zeros((1, 1, 3), dtype=np.float32))
-    except EcfitError as error:
-        return f"{error} (Debian's libegl1, libgl1-mesa-dri, libvulkan1, mesa-vulkan-drivers: make system)"
-    return None
+                why = f"({done.returncode}): {lines[-1].strip()}"
+                if told.exists():
+                    raise EcfitError(f"the driver {self.driver} failed {why}")
+                raise NoDevice(f"the driver {self.driver} finds no device {why}; {_DEVICES}")
+            return np.load(folder / "found.npy"), told.read_text().strip()
 
 
 GL_COMPUTE = Device("gl", "moderngl", "compute")

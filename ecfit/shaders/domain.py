@@ -7,8 +7,10 @@ import numpy as np
 
 from ecfit.shaders.program import ARGUMENTS
 
-# Of the points that are not corners, so many parts lie on faces, close to a face, and anywhere.
-_FACES, _NEAR = 0.25, 0.5
+# Of the points that are not corners, so many parts lie on faces and close to a face. The rest is uniform.
+_FACES, _NEAR = 0.125, 0.375
+# The last points of a set, so many parts of it, are uniform.
+UNIFORM = 1.0 - _FACES - _NEAR
 # Points close to a face are uniform in log2 of the distance from it, down to 2^-30 of the range: below that
 # mu = 0 is meant.
 _DEPTH = 30.0

@@ -43,9 +43,9 @@ class Tool:
     shows: str
 
     def missing(self) -> str | None:
-        """What has to be installed, or None."""
+        """What has to be installed, or None; whether there is a device, a run tells."""
         wants = [step.compiler.missing() for step in self.steps]
-        wants += [self.device.reason()] if self.device is not None else []
+        wants += [self.device.missing()] if self.device is not None else []
         return next((w for w in wants if w), None)
 
     def versions(self) -> str:
@@ -70,7 +70,7 @@ class Tool:
             functions: with names of their own each.
             given: points (functions, points, 3) float32; functions of fewer arguments take the first.
 
-        Raises `EcfitError` where a compiler or the device fails.
+        Raises `EcfitError` where a compiler or the device fails, `NoDevice` where there is none.
         """
         made = self.compile(functions, given.shape[1])
         return Result(None, "") if self.device is None else Result(*self.device.run(made, given))
@@ -78,7 +78,7 @@ class Tool:
 
 # No contraction of a * b + c, which would be more exact than the languages promise; every warning is an error.
 _STRICT = (
-    "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Werror", "-O2", "-ffp-contract=off", "-shared",
+    "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Werror", "-O1", "-ffp-contract=off", "-shared",
     "-fPIC", "{source}", "-o", "{target}",
 )  # fmt: skip
 _C = Step(CC, ("-std=c11", *_STRICT, "-lm"), "program.c", "program.so")

@@ -80,6 +80,7 @@ def rendered(path: Path, width: int, height: int) -> np.ndarray:
 
 def main() -> None:
     folder = Path(sys.argv[1])
+    (folder / "device.txt").write_text(f"Cycles of Blender {bpy.app.version_string}")
     given = np.load(folder / "given.npy")
     functions, points, _ = given.shape
     width, height = max(points, _LEAST), max(functions, _LEAST)
@@ -90,7 +91,6 @@ def main() -> None:
     scene(compiled, width, height)
     found = rendered(folder / "found.exr", width, height)
     np.save(folder / "found.npy", found[:functions, :points])
-    (folder / "device.txt").write_text(f"Cycles of Blender {bpy.app.version_string}")
 
 
 if __name__ == "__main__":

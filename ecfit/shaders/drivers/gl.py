@@ -1,9 +1,9 @@
-"""Runs a GLSL program over points on the first OpenGL device that EGL offers. A process of its own: drivers crash.
+"""Runs a GLSL program over points on the first OpenGL device. A process of its own: drivers crash.
 
     python -P gl.py FOLDER compute|fragment
 
 FOLDER holds `program` (text), `given.npy` (functions, points, 3) float32; written are `found.npy` (functions,
-points) float32 and `device.txt`. No ecfit here, so that it starts at once.
+points) float32 and, as soon as there is one, `device.txt`. No ecfit here, so that it starts at once.
 """
 
 import sys
@@ -54,9 +54,9 @@ def main() -> None:
     # Without a display; on Linux through EGL.
     options = {"backend": "egl"} if sys.platform.startswith("linux") else {}
     context = moderngl.create_context(standalone=True, require=430, **options)
+    (folder / "device.txt").write_text(f"{context.info['GL_RENDERER']}, OpenGL {context.info['GL_VERSION']}")
     found = how(context, (folder / "program").read_text(), given)
     np.save(folder / "found.npy", np.frombuffer(found, dtype=np.float32).reshape(given.shape[:2]))
-    (folder / "device.txt").write_text(f"{context.info['GL_RENDERER']}, OpenGL {context.info['GL_VERSION']}")
 
 
 if __name__ == "__main__":

@@ -16,12 +16,12 @@ import numpy as np
 
 def main() -> None:
     folder = Path(sys.argv[1])
+    (folder / "device.txt").write_text(platform.machine())
     given = np.ascontiguousarray(np.load(folder / "given.npy"))
     found = np.full(given.shape[:2], np.nan, dtype=np.float32)
     pointer = ctypes.POINTER(ctypes.c_float)
     ctypes.CDLL(str(folder / "program")).run(given.ctypes.data_as(pointer), found.ctypes.data_as(pointer))
     np.save(folder / "found.npy", found)
-    (folder / "device.txt").write_text(platform.machine())
 
 
 if __name__ == "__main__":

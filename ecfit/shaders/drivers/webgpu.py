@@ -3,7 +3,8 @@
     python -P webgpu.py FOLDER
 
 FOLDER holds `program` (WGSL as text or SPIR-V), `given.npy` (functions, points, 3) float32; written are
-`found.npy` (functions, points) float32 and `device.txt`. No ecfit here, so that it starts at once.
+`found.npy` (functions, points) float32 and, as soon as there is one, `device.txt`. No ecfit here, so that it
+starts at once.
 """
 
 import sys
@@ -20,11 +21,9 @@ wgpu: Any = import_module("wgpu")
 _SPIRV = b"\x03\x02\x23\x07"
 
 
-def run(program: str | bytes, given: np.ndarray) -> tuple[np.ndarray, str]:
-    """Values (functions, points), and the device's name."""
+def run(device: Any, program: str | bytes, given: np.ndarray) -> np.ndarray:
+    """Values (functions, points)."""
     functions, points, _ = given.shape
-    adapter = wgpu.gpu.request_adapter_sync()
-    device = adapter.request_device_sync()
     storage, copied = wgpu.BufferUsage.STORAGE, wgpu.BufferUsage.COPY_SRC
     inputs = device.create_buffer_with_data(data=given.tobytes(), usage=storage)
     outputs = device.create_buffer(size=4 * functions * points, usage=storage | copied)
@@ -44,16 +43,17 @@ def run(program: str | bytes, given: np.ndarray) -> tuple[np.ndarray, str]:
     one.dispatch_workgroups(-(-points // 64), functions, 1)
     one.end()
     device.queue.submit([encoder.finish()])
-    found = np.frombuffer(device.queue.read_buffer(outputs), dtype=np.float32)
-    return found.reshape(functions, points), f"{adapter.info['device']}, {adapter.info['backend_type']}"
+    return np.frombuffer(device.queue.read_buffer(outputs), dtype=np.float32).reshape(functions, points)
 
 
 def main() -> None:
     folder = Path(sys.argv[1])
+    adapter = wgpu.gpu.request_adapter_sync()
+    device = adapter.request_device_sync()
+    (folder / "device.txt").write_text(f"{adapter.info['device']}, {adapter.info['backend_type']}")
     text = (folder / "program").read_bytes()
-    found, device = run(text if text.startswith(_SPIRV) else text.decode(), np.load(folder / "given.npy"))
-    np.save(folder / "found.npy", found)
-    (folder / "device.txt").write_text(device)
+    program = text if text.startswith(_SPIRV) else text.decode()
+    np.save(folder / "found.npy", run(device, program, np.load(folder / "given.npy")))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,168 @@
+"""Exported approximations against NumPy: what a tool's program gives, in units in the last place."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ecfit.approximation import Approximation
+from ecfit.errors import EcfitError
+from ecfit.export import code
+from ecfit.export.code import default_name, expression
+from ecfit.export.coordinates import arguments
+from ecfit.expressions import Node, value
+from ecfit.shaders.domain import UNIFORM, points
+from ecfit.shaders.program import ARGUMENTS, Function
+from ecfit.shaders.tools import Tool
+from ecfit.shaders.ulps import ulps
+
+# The part of the domain that a second number is given for.
+COMMON = 95.0
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How the values of one exported function compare, at points of the closed domain.
+
+    Attributes:
+        name: of the function.
+        points: how many points.
+        worst: largest distance from NumPy's float32 value of the same expression, in ulps.
+        place: its coordinates.
+        largest: largest absolute difference from NumPy's float32 value.
+        exact_common, exact_worst: distances from the exact value rounded to float32, in ulps: what 95 % of
+            uniform points stay below, and the largest.
+        error, numpy_error: largest absolute difference from the exact value, of the tool and of NumPy's float32.
+        not_finite: how many values are NaN or infinite.
+    """
+
+    name: str
+    points: int
+    worst: int
+    place: Mapping[str, float]
+    largest: float
+    exact_common: float
+    exact_worst: int
+    error: float
+    numpy_error: float
+    not_finite: int
+
+    def describe(self) -> str:
+        """One line."""
+        at = ", ".join(f"{k} = {v:.6g}" for k, v in self.place.items())
+        where = f" at {at}" if self.worst else ""
+        bad = f"; {self.not_finite} values are not finite" if self.not_finite else ""
+        return (
+            f"{self.name}: at most {self.worst} ulps from NumPy's float32{where}; "
+            f"from the exact value {self.exact_common:.3g} on {COMMON:g} %, {self.exact_worst} at most{bad}"
+        )
+
+
+class Outcome(NamedTuple):
+    """What a tool made of exported code.
+
+    Attributes:
+        device: where it ran, "" if it was compiled only.
+        agreements: one a function; empty if it was compiled only.
+    """
+
+    device: str
+    agreements: tuple[Agreement, ...]
+
+    @property
+    def worst(self) -> Agreement | None:
+        """The function that is farthest from NumPy."""
+        return max(self.agreements, key=lambda a: a.worst, default=None)
+
+
+@dataclass(frozen=True)
+class Case:
+    """An exported function with the expression that it is to compute.
+
+    Attributes:
+        function: the source text.
+        expression: of `names`, in the order of the function's arguments.
+        domain: (low, high) of each argument.
+    """
+
+    function: Function
+    expression: Node
+    names: tuple[str, ...]
+    domain: tuple[tuple[float, float], ...]
+
+    def values(self, given: np.ndarray, kind: type) -> np.ndarray:
+        """NumPy's values at points (n, 3), computed in a float type."""
+        inputs = {name: given[:, i].astype(kind) for i, name in enumerate(self.names)}
+        return np.broadcast_to(value(self.expression, inputs), given.shape[:1])
+
+
+def case(
+    approximation: Approximation, language: str, coordinates: Sequence[str] = (), clamp: bool = False
+) -> Case:
+    """An approximation exported to a language; see `ecfit.export.code` for the options.
+
+    Raises `EcfitError` for tables, and for functions of more coordinates than a program takes.
+    """
+    taken = arguments(approximation, coordinates, clamp)
+    if len(taken.names) > ARGUMENTS:
+        raise EcfitError(f"'{approximation.name}' has {len(taken.names)} coordinates, at most {ARGUMENTS}")
+    # Of one approximation in different coordinates each has a name of its own.
+    name = "_".join([default_name(approximation), *coordinates, *["clamped"] * clamp])
+    source = code(approximation, language, name=name, coordinates=coordinates, clamp=clamp, evidence=())
+    function = Function(name, len(taken.names), source)
+    return Case(function, expression(approximation, taken), taken.names, taken.domain)
+
+
+def check(approximations: Sequence[Approximation], tool: Tool, count: int = 4096, seed: int = 1) -> Outcome:
+    """Export approximations, compile them as one program and compare its values with NumPy's.
+
+    Args:
+        approximations: formulas of up to three coordinates.
+        tool: what compiles and runs.
+        count: points of each domain: corners, edges, close to them, anywhere.
+        seed: of the points.
+
+    Raises `EcfitError` where the tool is missing, refuses the code or fails, `NoDevice` where there is none.
+    """
+    missing = tool.missing()
+    if missing:
+        raise EcfitError(f"{tool.name}: {missing}")
+    return compare([case(a, tool.language) for a in approximations], tool, count, seed)
+
+
+def compare(cases: Sequence[Case], tool: Tool, count: int, seed: int = 1) -> Outcome:
+    """The same for functions that are already written."""
+    given = np.stack([points(c.domain, count, seed) for c in cases])
+    found = tool.run([c.function for c in cases], given)
+    if found.values is None:
+        return Outcome("", ())
+    agreements = [agreement(c, x, y) for c, x, y in zip(cases, given, found.values, strict=True)]
+    return Outcome(found.device, tuple(agreements))
+
+
+def agreement(case: Case, given: np.ndarray, found: np.ndarray) -> Agreement:
+    """Compare values (n,) float32 at points (n, 3) with NumPy's."""
+    single, double = case.values(given, np.float32), case.values(given, np.float64)
+    steps, exact = ulps(found, single), ulps(found, double.astype(np.float32))
+    worst, uniform = int(np.argmax(steps)), int((1.0 - UNIFORM) * len(found))
+    return Agreement(
+        name=case.function.name,
+        points=len(found),
+        worst=int(steps[worst]),
+        place={name: float(given[worst, i]) for i, name in enumerate(case.names)},
+        largest=_apart(found, single),
+        exact_common=float(np.percentile(exact[uniform:], COMMON)),
+        exact_worst=int(np.max(exact)),
+        error=_apart(found, double),
+        numpy_error=_apart(single, double),
+        not_finite=int(np.sum(~np.isfinite(found))),
+    )
+
+
+def _apart(x: np.ndarray, y: np.ndarray) -> float:
+    """The largest absolute difference; infinite where one is not finite and the other another number."""
+    with np.errstate(invalid="ignore"):
+        difference = np.abs(x.astype(np.float64) - y.astype(np.float64))
+    same = (x == y) | (np.isnan(x) & np.isnan(y))
+    return float(np.max(np.where(same, 0.0, np.where(np.isnan(difference), np.inf, difference))))
