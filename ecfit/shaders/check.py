@@ -39,11 +39,11 @@ class Agreement:
 
     name: str
     points: int
-    worst: int
+    worst: float
     place: Mapping[str, float]
     largest: float
     exact_common: float
-    exact_worst: int
+    exact_worst: float
     error: float
     numpy_error: float
     not_finite: int
@@ -54,8 +54,8 @@ class Agreement:
         where = f" at {at}" if self.worst else ""
         bad = f"; {self.not_finite} values are not finite" if self.not_finite else ""
         return (
-            f"{self.name}: at most {self.worst} ulps from NumPy's float32{where}; "
-            f"from the exact value {self.exact_common:.3g} on {COMMON:g} %, {self.exact_worst} at most{bad}"
+            f"{self.name}: at most {self.worst:.3g} ulps from NumPy's float32{where}; "
+            f"from the exact value {self.exact_common:.3g} on {COMMON:g} %, {self.exact_worst:.3g} at most{bad}"
         )
 
 
@@ -149,11 +149,11 @@ def agreement(case: Case, given: np.ndarray, found: np.ndarray) -> Agreement:
     return Agreement(
         name=case.function.name,
         points=len(found),
-        worst=int(steps[worst]),
+        worst=float(steps[worst]),
         place={name: float(given[worst, i]) for i, name in enumerate(case.names)},
         largest=_apart(found, single),
         exact_common=float(np.percentile(exact[uniform:], COMMON)),
-        exact_worst=int(np.max(exact)),
+        exact_worst=float(np.max(exact)),
         error=_apart(found, double),
         numpy_error=_apart(single, double),
         not_finite=int(np.sum(~np.isfinite(found))),

@@ -2,21 +2,20 @@
 
 import numpy as np
 
-# The bits of 2^-126.
-_LEAST_NORMAL = 0x00800000
+# Half a unit in the last place of 1. Nearer to zero the unit stays that of this number: a difference of 2^-47 is
+# nothing to an albedo, and devices flush what is below 2^-126 to zero.
+FLOOR = 2.0**-24
 
 
 def ulps(found: np.ndarray, expected: np.ndarray) -> np.ndarray:
-    """How many float32 numbers one has to step over from one to the other, int64.
+    """How many units in the last place of `expected` lie between two float32 numbers, float64.
 
-    Below the least normal number (2^-126) everything is zero, as devices may flush such numbers to zero. Infinite and NaN values count as numbers beyond the largest, so that a NaN is far from everything but
-    itself.
+    The unit is that of max(|expected|, `FLOOR`). Equal numbers are 0 apart, two NaNs too; anything else with an
+    infinity or NaN is infinitely far.
     """
-    return np.abs(_place(found) - _place(expected))
-
-
-def _place(x: np.ndarray) -> np.ndarray:
-    """The place of each number in the order of all float32 numbers, 0 at zero."""
-    bits = np.asarray(x, dtype=np.float32).view(np.int32).astype(np.int64)
-    size = np.maximum((bits & 0x7FFFFFFF) - _LEAST_NORMAL + 1, 0)
-    return np.where(bits < 0, -size, size)
+    x, y = np.asarray(found, dtype=np.float32), np.asarray(expected, dtype=np.float32)
+    same = (x == y) | (np.isnan(x) & np.isnan(y))
+    with np.errstate(invalid="ignore"):
+        unit = np.spacing(np.maximum(np.abs(y), np.float32(FLOOR)))
+        apart = np.abs(x.astype(np.float64) - y.astype(np.float64)) / unit.astype(np.float64)
+    return np.where(same, 0.0, np.where(np.isnan(apart), np.inf, apart))
