@@ -2,14 +2,18 @@
 
 from collections.abc import Sequence
 
-from ecfit.approximation import Approximation
+from ecfit.approximation import Approximation, Quotient, Written
 from ecfit.export.contract import contract_lines
 from ecfit.export.coordinates import Arguments, arguments
 from ecfit.export.evidence import evidence_for
 from ecfit.export.functions import Function
 from ecfit.export.languages import Language, check_name, language
+from ecfit.export.nest import nested_sums
 from ecfit.expressions import Node, cost
 from ecfit.expressions.fold import folded
+
+# Formulas whose expressions are sums as printed by their authors.
+_PLAIN = (Quotient.kind, Written.kind)
 
 
 def code(
@@ -52,14 +56,21 @@ def default_name(approximation: Approximation) -> str:
 
 
 def expression(approximation: Approximation, taken: Arguments) -> Node:
-    """The expression that is exported, of the arguments: constants folded."""
-    return folded(taken.transform(folded(approximation.expression())))
+    """The expression that is exported, of the arguments."""
+    return _tidied(approximation.expression(), approximation, taken)
+
+
+def _tidied(node: Node, approximation: Approximation, taken: Arguments) -> Node:
+    # Our own forms are nested already, as their certificates have them.
+    plain = folded(node)
+    nested = nested_sums(plain) if approximation.formula.kind in _PLAIN else plain
+    return folded(taken.transform(nested))
 
 
 def value_function(approximation: Approximation, name: str, taken: Arguments) -> Function:
     """The function that computes the approximation."""
     known = approximation.formula.landmarks(approximation.variables)
-    meanings = {folded(taken.transform(folded(node))): key for key, node in known.items()}
+    meanings = {_tidied(node, approximation, taken): key for key, node in known.items()}
     note = f"{approximation.contract.quantity} of {approximation.contract.model}"
     return Function(name, taken.names, expression(approximation, taken), note, meanings=meanings)
 

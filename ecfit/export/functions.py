@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from ecfit.export.languages import Language
 from ecfit.export.statements import statements, wrapped
 from ecfit.expressions import Node
+from ecfit.expressions.node import inputs
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,8 @@ class Function:
             for a in self.arguments
         ]
         signature = target.signature.format(result=result, name=self.name, arguments=", ".join(arguments))
-        lines = []
+        used = inputs(self.value).union(*(given for _, given in self.calls.values()))
+        lines = [target.unused.format(name=a) for a in self.arguments if target.unused and a not in used]
         for local, (function, given) in self.calls.items():
             call = f"{function}({', '.join(given)}{', xp=xp' * (target.name == 'python')})"
             lines.append(target.declare.format(name=local, value=call, type=target.real))

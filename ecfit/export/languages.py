@@ -57,7 +57,7 @@ class Language:
         prologue, epilogue: before and after all functions; {guard} is a name in capitals.
         joined: how a long statement goes on in the next line: "" where line breaks do not matter, else the
             pair of brackets that it needs.
-        keywords: names that it reserves.
+        unused: a statement that keeps compilers from warning of the argument {name} that nothing uses.
     """
 
     name: str
@@ -77,6 +77,7 @@ class Language:
     prologue: str = ""
     epilogue: str = ""
     joined: str = ""
+    unused: str = ""
 
     @property
     def keywords(self) -> frozenset[str]:
@@ -84,6 +85,7 @@ class Language:
         return frozenset(keyword.kwlist) if self.name == "python" else RESERVED[self.name]
 
 
+_VOID = "(void){name};"
 _GUARDED = "#ifndef {guard}\n#define {guard}\n\n#include <math.h>\n"
 
 LANGUAGES: Mapping[str, Language] = MappingProxyType({
@@ -98,19 +100,19 @@ LANGUAGES: Mapping[str, Language] = MappingProxyType({
         ),
         Language(
             "msl", "Metal", "metal", "static inline {result} {name}({arguments})\n{{", suffix="f",
-            prologue="#include <metal_stdlib>\nusing namespace metal;\n",
+            prologue="#include <metal_stdlib>\nusing namespace metal;\n", unused=_VOID,
         ),
         Language("slang", "Slang", "slang", suffix="f"),
         Language("osl", "OSL", "osl", declare="float {name} = {value};", colour="color"),
         Language(
             "c", "C", "h", "static inline {result} {name}({arguments})\n{{", colour="float", calls=_C,
-            suffix="f", prologue=_GUARDED, epilogue="\n#endif",
+            suffix="f", prologue=_GUARDED, epilogue="\n#endif", unused=_VOID,
         ),
         Language(
             "cpp", "C++", "hpp", "inline {result} {name}({arguments})\n{{", colour="float", calls=_CPP,
             suffix="f",
             prologue="#ifndef {guard}\n#define {guard}\n\n#include <algorithm>\n#include <cmath>\n",
-            epilogue="\n#endif",
+            epilogue="\n#endif", unused=_VOID,
         ),
         Language(
             "python", "Python", "py", "def {name}({arguments}, *, xp=numpy):", "{name}", "{name} = {value}",
