@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CONFIG ?= configs/quick.toml
 
-.PHONY: study test test-all lint types benchmark constraints system clean
+.PHONY: study test test-all lint types benchmark constraints system slang clean
 
 study: $(VENV)/.core
 	$(BIN)/ecfit run $(CONFIG)
@@ -15,10 +15,10 @@ ONE_THREAD := PJRT_NPROC=1 OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL_NUM_THRE
 	BLIS_NUM_THREADS=1 VECLIB_MAXIMUM_THREADS=1
 PYTEST := $(ONE_THREAD) $(BIN)/pytest -n 2 --dist loadfile
 
-test: $(VENV)/.test
+test: $(VENV)/.test $(VENV)/.shaders slang
 	$(PYTEST)
 
-test-all: $(VENV)/.test
+test-all: $(VENV)/.test $(VENV)/.shaders slang
 	$(PYTEST) -m ""
 
 lint: $(VENV)/.dev
@@ -38,11 +38,18 @@ benchmark: $(VENV)/.bench
 	$(BIN)/python benchmarks/choosing.py --cache .choosing --figures .choosing
 
 constraints: $(VENV)/.uv
-	$(BIN)/uv pip compile --universal --no-header --no-annotate --extra test --extra dev --extra bench pyproject.toml -o constraints.txt
+	$(BIN)/uv pip compile --universal --no-header --no-annotate --extra test --extra dev --extra bench --extra shaders pyproject.toml -o constraints.txt
 
-# System packages for the tests that compile or draw with foreign tools. None is needed yet.
+# System packages for the tests that compile and run shaders, which skip without them.
 system:
-	@echo "no system packages are needed"
+	@.ci/system
+
+# The Slang compiler, 34 MB. Alone: what its package depends on is 5.6 GB that nothing here uses.
+slang: $(VENV)/.slang
+
+$(VENV)/.slang: $(VENV)/.uv
+	$(BIN)/uv pip install --quiet --python $(BIN)/python --no-deps slangtorch==1.3.22 \
+	  && touch $@ || echo "no Slang compiler for this platform: its tests are skipped"
 
 $(VENV)/.uv:
 	$(PYTHON) -c 'import sys; sys.exit("ecfit needs Python 3.11 or newer: make PYTHON=python3.11" if sys.version_info < (3, 11) else 0)'

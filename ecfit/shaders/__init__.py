@@ -8,4 +8,3 @@ from ecfit.shaders.program import Function as Function
 from ecfit.shaders.tools import TOOLS as TOOLS
 from ecfit.shaders.tools import Tool as Tool
 from ecfit.shaders.tools import tool as tool
-from ecfit.shaders.ulps import ulps as ulps

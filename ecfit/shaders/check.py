@@ -10,15 +10,17 @@ from ecfit.approximation import Approximation
 from ecfit.errors import EcfitError
 from ecfit.export import code
 from ecfit.export.code import default_name, expression
-from ecfit.export.coordinates import arguments
+from ecfit.export.coordinates import Arguments, arguments
+from ecfit.export.ulps import exact, points, ulps
 from ecfit.expressions import Node, value
-from ecfit.shaders.domain import UNIFORM, points
 from ecfit.shaders.program import ARGUMENTS, Function
 from ecfit.shaders.tools import Tool
-from ecfit.shaders.ulps import ulps
 
 # The part of the domain that a second number is given for.
 COMMON = 95.0
+# Half a unit in the last place of 1. Nearer to zero the unit stays that of this number: a difference of 2^-47
+# is nothing to an albedo.
+FLOOR = 2.0**-24
 
 
 @dataclass(frozen=True)
@@ -31,9 +33,10 @@ class Agreement:
         worst: largest distance from NumPy's float32 value of the same expression, in ulps.
         place: its coordinates.
         largest: largest absolute difference from NumPy's float32 value.
-        exact_common, exact_worst: distances from the exact value rounded to float32, in ulps: what 95 % of
+        exact_common, exact_worst: distances from the exact value (of the same numbers), in ulps: what 95 % of
             uniform points stay below, and the largest.
-        error, numpy_error: largest absolute difference from the exact value, of the tool and of NumPy's float32.
+        error, numpy_error: largest absolute difference from the exact value, of the tool and of NumPy's
+            float32.
         not_finite: how many values are NaN or infinite.
     """
 
@@ -55,7 +58,8 @@ class Agreement:
         bad = f"; {self.not_finite} values are not finite" if self.not_finite else ""
         return (
             f"{self.name}: at most {self.worst:.3g} ulps from NumPy's float32{where}; "
-            f"from the exact value {self.exact_common:.3g} on {COMMON:g} %, {self.exact_worst:.3g} at most{bad}"
+            f"from the exact value {self.exact_common:.3g} on {COMMON:g} %, "
+            f"{self.exact_worst:.3g} at most{bad}"
         )
 
 
@@ -82,19 +86,34 @@ class Case:
 
     Attributes:
         function: the source text.
-        expression: of `names`, in the order of the function's arguments.
-        domain: (low, high) of each argument.
+        expression: of the function's arguments.
+        taken: the arguments, in order.
     """
 
     function: Function
     expression: Node
-    names: tuple[str, ...]
-    domain: tuple[tuple[float, float], ...]
+    taken: Arguments
 
-    def values(self, given: np.ndarray, kind: type) -> np.ndarray:
-        """NumPy's values at points (n, 3), computed in a float type."""
-        inputs = {name: given[:, i].astype(kind) for i, name in enumerate(self.names)}
-        return np.broadcast_to(value(self.expression, inputs), given.shape[:1])
+    def points(self, count: int, seed: int) -> np.ndarray:
+        """Points (count, 3) float32 of the closed domain: first corners and edges, then uniform ones.
+
+        Coordinates that the function does not take are 0.
+        """
+        edged, uniform = _split(count)
+        parts = points(self.taken, edged, seed), points(self.taken, uniform, seed + 1, edges=False)
+        out = np.zeros((count, ARGUMENTS), dtype=np.float32)
+        for i, name in enumerate(self.taken.names):
+            out[:, i] = np.concatenate([part[name] for part in parts])
+        return out
+
+    def inputs(self, given: np.ndarray) -> dict[str, np.ndarray]:
+        """Coordinates by name, float32, from points (count, 3)."""
+        return {name: given[:, i] for i, name in enumerate(self.taken.names)}
+
+
+def _split(count: int) -> tuple[int, int]:
+    """How many points have some coordinates at or near an end, and how many are uniform."""
+    return count - count // 2, count // 2
 
 
 def case(
@@ -111,7 +130,7 @@ def case(
     name = "_".join([default_name(approximation), *coordinates, *["clamped"] * clamp])
     source = code(approximation, language, name=name, coordinates=coordinates, clamp=clamp, evidence=())
     function = Function(name, len(taken.names), source)
-    return Case(function, expression(approximation, taken), taken.names, taken.domain)
+    return Case(function, expression(approximation, taken), taken)
 
 
 def check(approximations: Sequence[Approximation], tool: Tool, count: int = 4096, seed: int = 1) -> Outcome:
@@ -133,7 +152,7 @@ def check(approximations: Sequence[Approximation], tool: Tool, count: int = 4096
 
 def compare(cases: Sequence[Case], tool: Tool, count: int, seed: int = 1) -> Outcome:
     """The same for functions that are already written."""
-    given = np.stack([points(c.domain, count, seed) for c in cases])
+    given = np.stack([c.points(count, seed) for c in cases])
     found = tool.run([c.function for c in cases], given)
     if found.values is None:
         return Outcome("", ())
@@ -143,17 +162,19 @@ def compare(cases: Sequence[Case], tool: Tool, count: int, seed: int = 1) -> Out
 
 def agreement(case: Case, given: np.ndarray, found: np.ndarray) -> Agreement:
     """Compare values (n,) float32 at points (n, 3) with NumPy's."""
-    single, double = case.values(given, np.float32), case.values(given, np.float64)
-    steps, exact = ulps(found, single), ulps(found, double.astype(np.float32))
-    worst, uniform = int(np.argmax(steps)), int((1.0 - UNIFORM) * len(found))
+    inputs = case.inputs(given)
+    single = np.broadcast_to(value(case.expression, inputs), found.shape)
+    double = exact(case.expression, inputs)
+    steps, off = ulps(found, single, FLOOR), ulps(found, double, FLOOR)
+    worst, uniform = int(np.argmax(steps)), _split(len(found))[0]
     return Agreement(
         name=case.function.name,
         points=len(found),
         worst=float(steps[worst]),
-        place={name: float(given[worst, i]) for i, name in enumerate(case.names)},
+        place={name: float(given[worst, i]) for i, name in enumerate(case.taken.names)},
         largest=_apart(found, single),
-        exact_common=float(np.percentile(exact[uniform:], COMMON)),
-        exact_worst=float(np.max(exact)),
+        exact_common=float(np.percentile(off[uniform:], COMMON)),
+        exact_worst=float(np.max(off)),
         error=_apart(found, double),
         numpy_error=_apart(single, double),
         not_finite=int(np.sum(~np.isfinite(found))),

@@ -1,4 +1,4 @@
-"""Compilers as data: what is called, how it is asked for its version, and what to install where it is missing."""
+"""Compilers as data: what is called, how it tells its version, and what to install where it is missing."""
 
 import importlib.util
 import os

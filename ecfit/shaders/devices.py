@@ -55,10 +55,10 @@ class Device:
         return None
 
     def run(self, program: bytes, given: np.ndarray) -> tuple[np.ndarray, str]:
-        """Values (functions, points) float32 at `given` (functions, points, 3) float32, and the device's name.
+        """Values (functions, points) at `given` (functions, points, 3), float32, and the device's name.
 
-        Raises `NoDevice` where the driver ends before it has found one, and `EcfitError` where it fails later,
-        with the last line that it printed.
+        Raises `NoDevice` where the driver ends before it has found one, and `EcfitError` where it fails
+        later, with the last line that it printed.
         """
         with tempfile.TemporaryDirectory(prefix="ecfit-") as name:
             folder = Path(name)
@@ -72,7 +72,9 @@ class Device:
                     command, capture_output=True, text=True, env=environment, timeout=_PATIENCE
                 )
             except OSError as error:
-                raise EcfitError(f"cannot start {self.python}: {error.strerror}; see {self.variable}") from None
+                raise EcfitError(
+                    f"cannot start {self.python}: {error.strerror}; see {self.variable}"
+                ) from None
             except subprocess.TimeoutExpired:
                 raise EcfitError(f"the driver {self.driver} hung for {_PATIENCE:.0f} s") from None
             told = folder / "device.txt"

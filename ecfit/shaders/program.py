@@ -1,4 +1,4 @@
-"""Many functions in one program: the text that a target compiles, with an entry that calls each over points."""
+"""Many functions in one program: the text that a target compiles, with an entry that calls each."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

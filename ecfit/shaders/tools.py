@@ -76,22 +76,29 @@ class Tool:
         return Result(None, "") if self.device is None else Result(*self.device.run(made, given))
 
 
-# No contraction of a * b + c, which would be more exact than the languages promise; every warning is an error.
+# No contraction of a * b + c, which would be more exact than the languages promise. Warnings are errors.
 _STRICT = (
-    "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Werror", "-O1", "-ffp-contract=off", "-shared",
-    "-fPIC", "{source}", "-o", "{target}",
+    "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Werror", "-O1", "-ffp-contract=off",
+    "-shared", "-fPIC", "{source}", "-o", "{target}",
 )  # fmt: skip
 _C = Step(CC, ("-std=c11", *_STRICT, "-lm"), "program.c", "program.so")
 _CPP = Step(CXX, ("-std=c++11", *_STRICT), "program.cpp", "program.so")
 # Metal is C++14 with a standard library of its own; attributes ([[buffer(0)]]) mean nothing here.
 _METAL = Step(
-    CXX, ("-x", "c++", "-std=c++14", "-Wno-attributes", "-I{include}", *_STRICT), "program.metal", "program.so"
+    CXX,
+    ("-x", "c++", "-std=c++14", "-Wno-attributes", "-I{include}", *_STRICT),
+    "program.metal",
+    "program.so",
 )
 _VALIDATE = Step(SPIRV_VAL, ("--target-env", "vulkan1.2", "{source}"), "program.spv")
 _GLSL = Step(GLSLANG, ("-V", "-S", "comp", "{source}", "-o", "{target}"), "program.comp", "program.spv")
 _ESSL = Step(GLSLANG, ("-S", "frag", "{source}"), "program.frag")
+_TINT = Step(TINT, ("--format", "wgsl", "{source}"), "program.wgsl")
 _HLSL = Step(
-    GLSLANG, ("-D", "-V", "-S", "comp", "-e", "main", "{source}", "-o", "{target}"), "program.hlsl", "program.spv"
+    GLSLANG,
+    ("-D", "-V", "-S", "comp", "-e", "main", "{source}", "-o", "{target}"),
+    "program.hlsl",
+    "program.spv",
 )
 
 
@@ -113,11 +120,11 @@ TOOLS: Mapping[str, Tool] = MappingProxyType({
         Tool("opengl-es", "glsl", "fragment.glsl", (_ESSL,), GL_FRAGMENT, "ESSL 300 fragment, run"),
         Tool("glslang", "glsl", "compute.glsl", (_GLSL, _VALIDATE), WEBGPU, "GLSL to SPIR-V, valid, run"),
         Tool("webgpu", "wgsl", "compute.wgsl", (), WEBGPU, "WGSL, read by naga, run"),
+        Tool("tint", "wgsl", "compute.wgsl", (_TINT,), None, "WGSL, read by the compiler of Chrome"),
         Tool(
-            "tint", "wgsl", "compute.wgsl", (Step(TINT, ("--format", "wgsl", "{source}"), "program.wgsl"),), None,
-            "WGSL, read by the compiler of Chrome",
+            "glslang-hlsl", "hlsl", "compute.hlsl", (_HLSL, _VALIDATE), WEBGPU,
+            "HLSL to SPIR-V, valid, run",
         ),
-        Tool("glslang-hlsl", "hlsl", "compute.hlsl", (_HLSL, _VALIDATE), WEBGPU, "HLSL to SPIR-V, valid, run"),
         Tool(
             "slang-hlsl", "hlsl", "compute.hlsl", (_slangc("hlsl", "spirv", "spv", *_KERNEL),),
             WEBGPU, "HLSL, read by a second compiler, run",

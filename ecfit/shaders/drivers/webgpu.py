@@ -1,4 +1,4 @@
-"""Runs a compute shader over points on the first device that wgpu offers. A process of its own: drivers crash.
+"""Runs a compute shader over points on the first device of wgpu. A process of its own: drivers crash.
 
     python -P webgpu.py FOLDER
 
