@@ -95,7 +95,7 @@ class Case:
     taken: Arguments
 
     def points(self, count: int, seed: int) -> np.ndarray:
-        """Points (count, 3) float32 of the closed domain: first corners and edges, then uniform ones.
+        """Points (count, 4) float32 of the closed domain: first corners and edges, then uniform ones.
 
         Coordinates that the function does not take are 0.
         """
@@ -107,7 +107,7 @@ class Case:
         return out
 
     def inputs(self, given: np.ndarray) -> dict[str, np.ndarray]:
-        """Coordinates by name, float32, from points (count, 3)."""
+        """Coordinates by name, float32, from points (count, 4)."""
         return {name: given[:, i] for i, name in enumerate(self.taken.names)}
 
 
@@ -137,7 +137,7 @@ def check(approximations: Sequence[Approximation], tool: Tool, count: int = 4096
     """Export approximations, compile them as one program and compare its values with NumPy's.
 
     Args:
-        approximations: formulas of up to three coordinates.
+        approximations: formulas of up to four coordinates.
         tool: what compiles and runs.
         count: points of each domain: corners, edges, close to them, anywhere.
         seed: of the points.
@@ -161,7 +161,7 @@ def compare(cases: Sequence[Case], tool: Tool, count: int, seed: int = 1) -> Out
 
 
 def agreement(case: Case, given: np.ndarray, found: np.ndarray) -> Agreement:
-    """Compare values (n,) float32 at points (n, 3) with NumPy's."""
+    """Compare values (n,) float32 at points (n, 4) with NumPy's."""
     inputs = case.inputs(given)
     single = np.broadcast_to(value(case.expression, inputs), found.shape)
     double = exact(case.expression, inputs)

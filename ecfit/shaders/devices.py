@@ -55,7 +55,7 @@ class Device:
         return None
 
     def run(self, program: bytes, given: np.ndarray) -> tuple[np.ndarray, str]:
-        """Values (functions, points) at `given` (functions, points, 3), float32, and the device's name.
+        """Values (functions, points) at `given` (functions, points, 4), float32, and the device's name.
 
         Raises `NoDevice` where the driver ends before it has found one, and `EcfitError` where it fails
         later, with the last line that it printed.

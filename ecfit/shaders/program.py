@@ -6,12 +6,14 @@ from pathlib import Path
 
 from ecfit.errors import EcfitError
 
-# A point has so many numbers in the drivers' arrays; a function takes the first of them.
-ARGUMENTS = 3
+# A point has so many numbers in the drivers' arrays, as a texel has; a function takes the first of them.
+ARGUMENTS = 4
 
 _ENTRIES = Path(__file__).with_name("entries")
 # How a function is chosen by its number where it is not C's way.
-_CASES = {".wgsl": "case {}: {{ value = {}({}); }}", ".osl": "if (f == {}) value = {}({});"}
+# Mesa's GLSL compiler makes nested branches of a switch, and llvmpipe follows no more than 80 without a word.
+_FLAT = "if (f == {}) value = {}({});"
+_CASES = {".wgsl": "case {}: {{ value = {}({}); }}", ".osl": _FLAT, ".glsl": _FLAT}
 
 
 @dataclass(frozen=True)

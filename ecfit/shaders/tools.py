@@ -68,7 +68,7 @@ class Tool:
 
         Args:
             functions: with names of their own each.
-            given: points (functions, points, 3) float32; functions of fewer arguments take the first.
+            given: points (functions, points, 4) float32; functions of fewer arguments take the first.
 
         Raises `EcfitError` where a compiler or the device fails, `NoDevice` where there is none.
         """

@@ -2,7 +2,7 @@
 
     PYTHON -P cycles.py FOLDER        # PYTHON has bpy
 
-FOLDER holds `program` (OSL text) and `given.npy` (functions, points, 3) float32; written are `found.npy`
+FOLDER holds `program` (OSL text) and `given.npy` (functions, points, 4) float32; written are `found.npy`
 (functions, points) float32 and `device.txt`. A pixel is a point; only its red is used.
 """
 

@@ -2,7 +2,7 @@
 
     python -P gl.py FOLDER compute|fragment
 
-FOLDER holds `program` (text), `given.npy` (functions, points, 3) float32; written are `found.npy` (functions,
+FOLDER holds `program` (text), `given.npy` (functions, points, 4) float32; written are `found.npy` (functions,
 points) float32 and, as soon as there is one, `device.txt`. No ecfit here, so that it starts at once.
 """
 
@@ -36,8 +36,7 @@ def fragment(context: Any, program: str, given: np.ndarray) -> bytes:
     """One triangle over a texture of float32: a row of texels a function."""
     functions, points, _ = given.shape
     size = (points, functions)
-    texels = np.concatenate([given, np.zeros_like(given[..., :1])], axis=-1)
-    inputs = context.texture(size, 4, texels.tobytes(), dtype="f4")
+    inputs = context.texture(size, 4, given.tobytes(), dtype="f4")
     inputs.filter = (moderngl.NEAREST, moderngl.NEAREST)
     outputs = context.texture(size, 4, dtype="f4")
     context.framebuffer([outputs]).use()

@@ -2,7 +2,7 @@
 
     python -P library.py FOLDER
 
-FOLDER holds `program` (the library) and `given.npy` (functions, points, 3) float32; written are `found.npy`
+FOLDER holds `program` (the library) and `given.npy` (functions, points, 4) float32; written are `found.npy`
 (functions, points) float32 and `device.txt`.
 """
 

@@ -2,7 +2,7 @@
 
     python -P webgpu.py FOLDER
 
-FOLDER holds `program` (WGSL as text or SPIR-V), `given.npy` (functions, points, 3) float32; written are
+FOLDER holds `program` (WGSL as text or SPIR-V), `given.npy` (functions, points, 4) float32; written are
 `found.npy` (functions, points) float32 and, as soon as there is one, `device.txt`. No ecfit here, so that it
 starts at once.
 """

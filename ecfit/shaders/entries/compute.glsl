@@ -6,13 +6,12 @@ layout(std430, binding = 1) buffer Found { float found[]; };
 //@functions
 
 void main() {
-  const uint i = gl_GlobalInvocationID.x, f = gl_WorkGroupID.y;
+  const uint i = gl_GlobalInvocationID.x;
+  const int f = int(gl_WorkGroupID.y);
   if (i >= @points@u) return;
-  const uint row = f * @points@u + i;
-  const float x0 = given[3u * row], x1 = given[3u * row + 1u], x2 = given[3u * row + 2u];
+  const uint row = uint(f) * @points@u + i;
+  const float x0 = given[4u * row], x1 = given[4u * row + 1u], x2 = given[4u * row + 2u], x3 = given[4u * row + 3u];
   float value = 0.0;
-  switch (int(f)) {
 //@cases
-  }
   found[row] = value;
 }

@@ -7,9 +7,10 @@
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
   if (id.x >= @points@u) { return; }
   let row = id.y * @points@u + id.x;
-  let x0 = given[3u * row];
-  let x1 = given[3u * row + 1u];
-  let x2 = given[3u * row + 2u];
+  let x0 = given[4u * row];
+  let x1 = given[4u * row + 1u];
+  let x2 = given[4u * row + 2u];
+  let x3 = given[4u * row + 3u];
   var value = 0.0;
   switch (i32(id.y)) {
 //@cases

@@ -7,9 +7,9 @@ using namespace metal;
 kernel void evaluate(device const float *given [[buffer(0)]], device float *found [[buffer(1)]],
                      uint2 id [[thread_position_in_grid]]) {
   const uint row = id.y * @points@u + id.x;
-  const float x0 = given[3 * row], x1 = given[3 * row + 1], x2 = given[3 * row + 2];
+  const float x0 = given[4 * row], x1 = given[4 * row + 1], x2 = given[4 * row + 2], x3 = given[4 * row + 3];
   float value = 0.0f;
-  (void)x0, (void)x1, (void)x2;
+  (void)x0, (void)x1, (void)x2, (void)x3;
   switch (id.y) {
 //@cases
   }
