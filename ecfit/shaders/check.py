@@ -1,6 +1,6 @@
 """Exported approximations against NumPy: what a tool's program gives, in units in the last place."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -13,6 +13,7 @@ from ecfit.export.code import default_name, expression
 from ecfit.export.coordinates import Arguments, arguments
 from ecfit.export.ulps import exact, points, ulps
 from ecfit.expressions import Node, value
+from ecfit.shaders.devices import NoDevice
 from ecfit.shaders.program import ARGUMENTS, Function
 from ecfit.shaders.tools import Tool
 
@@ -21,6 +22,9 @@ COMMON = 95.0
 # Half a unit in the last place of 1. Nearer to zero the unit stays that of this number: a difference of 2^-47
 # is nothing to an albedo.
 FLOOR = 2.0**-24
+# A target may lose as much again as NumPy's single precision does, as shading languages leave the order of
+# operations, roots and quotients some freedom; and an ulp of 1 where NumPy happens to be exact.
+AGAIN, ULP = 2.0, 2.0**-23
 
 
 @dataclass(frozen=True)
@@ -51,6 +55,11 @@ class Agreement:
     numpy_error: float
     not_finite: int
 
+    @property
+    def passes(self) -> bool:
+        """Whether all values are finite and about as exact as NumPy's float32."""
+        return not self.not_finite and self.error <= AGAIN * self.numpy_error + ULP
+
     def describe(self) -> str:
         """One line."""
         at = ", ".join(f"{k} = {v:.6g}" for k, v in self.place.items())
@@ -78,6 +87,51 @@ class Outcome(NamedTuple):
     def worst(self) -> Agreement | None:
         """The function that is farthest from NumPy."""
         return max(self.agreements, key=lambda a: a.worst, default=None)
+
+
+class Report(NamedTuple):
+    """One tool's part in `check_all`.
+
+    Attributes:
+        tool: which.
+        outcome: what it made of the code, or None.
+        reason: why there is no outcome: what is missing, or "" if it failed.
+        fault: what it refused or how it failed, or "".
+    """
+
+    tool: Tool
+    outcome: Outcome | None = None
+    reason: str = ""
+    fault: str = ""
+
+    @property
+    def passes(self) -> bool:
+        """Whether nothing is wrong; a tool that is not there is no fault."""
+        agreed = self.outcome is None or all(a.passes for a in self.outcome.agreements)
+        return agreed and not self.fault
+
+    @property
+    def done(self) -> str:
+        """In a word: run, compiled, failed, or not here."""
+        if self.fault:
+            return "failed"
+        if self.outcome is None:
+            return "not here"
+        return "run" if self.outcome.agreements else "compiled"
+
+    def describe(self) -> str:
+        """A line for the tool, then one for each function at fault, or for the one farthest from NumPy."""
+        start = f"{self.tool.name} ({self.tool.language}): {self.done}"
+        if self.outcome is None:
+            return f"{start}: {self.fault or self.reason}"
+        worst = self.outcome.worst
+        if worst is None:
+            return f"{start} ({self.tool.versions()})"
+        shown = [a for a in self.outcome.agreements if not a.passes]
+        head = f"{start}: {len(self.outcome.agreements)} functions on {self.outcome.device}"
+        verdict = f"{len(shown)} at fault" if shown else "all right"
+        lines = [f"{head}: {verdict}", *(f"  {a.describe()}" for a in shown or [worst])]
+        return "\n".join(lines)
 
 
 @dataclass(frozen=True)
@@ -158,6 +212,23 @@ def compare(cases: Sequence[Case], tool: Tool, count: int, seed: int = 1) -> Out
         return Outcome("", ())
     agreements = [agreement(c, x, y) for c, x, y in zip(cases, given, found.values, strict=True)]
     return Outcome(found.device, tuple(agreements))
+
+
+def check_all(
+    approximations: Sequence[Approximation], tools: Iterable[Tool], count: int = 4096
+) -> Iterator[Report]:
+    """`check` with one tool after the other; what is missing or fails is said, not raised."""
+    for tool in tools:
+        missing = tool.missing()
+        if missing:
+            yield Report(tool, reason=missing)
+            continue
+        try:
+            yield Report(tool, check(approximations, tool, count))
+        except NoDevice as error:
+            yield Report(tool, reason=str(error))
+        except EcfitError as error:
+            yield Report(tool, fault=str(error))
 
 
 def agreement(case: Case, given: np.ndarray, found: np.ndarray) -> Agreement:
