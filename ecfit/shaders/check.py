@@ -22,6 +22,8 @@ COMMON = 95.0
 # Half a unit in the last place of 1. Nearer to zero the unit stays that of this number: a difference of 2^-47
 # is nothing to an albedo.
 FLOOR = 2.0**-24
+# Twice the corners of the largest box.
+LEAST = 2 * 2**ARGUMENTS
 # A target may lose as much again as NumPy's single precision does, as shading languages leave the order of
 # operations, roots and quotients some freedom; and an ulp of 1 where NumPy happens to be exact.
 AGAIN, ULP = 2.0, 2.0**-23
@@ -151,8 +153,10 @@ class Case:
     def points(self, count: int, seed: int) -> np.ndarray:
         """Points (count, 4) float32 of the closed domain: first corners and edges, then uniform ones.
 
-        Coordinates that the function does not take are 0.
+        Coordinates that the function does not take are 0. Raises `EcfitError` for fewer than `LEAST` points.
         """
+        if count < LEAST:
+            raise EcfitError(f"{count} points are too few for all corners: take {LEAST} or more")
         edged, uniform = _split(count)
         parts = points(self.taken, edged, seed), points(self.taken, uniform, seed + 1, edges=False)
         out = np.zeros((count, ARGUMENTS), dtype=np.float32)
