@@ -222,13 +222,16 @@ def check_all(
     approximations: Sequence[Approximation], tools: Iterable[Tool], count: int = 4096
 ) -> Iterator[Report]:
     """`check` with one tool after the other; what is missing or fails is said, not raised."""
+    written: dict[str, list[Case]] = {}  # exported once a language
     for tool in tools:
         missing = tool.missing()
         if missing:
             yield Report(tool, reason=missing)
             continue
         try:
-            yield Report(tool, check(approximations, tool, count))
+            if tool.language not in written:
+                written[tool.language] = [case(a, tool.language) for a in approximations]
+            yield Report(tool, compare(written[tool.language], tool, count))
         except NoDevice as error:
             yield Report(tool, reason=str(error))
         except EcfitError as error:

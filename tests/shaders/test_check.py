@@ -95,7 +95,7 @@ def test_a_few_functions_may_be_one_approximation_in_different_coordinates():
 def test_a_missing_tool_is_an_error_with_the_remedy(monkeypatch):
     monkeypatch.setenv("CC", "no-such-compiler")
     with pytest.raises(EcfitError, match="cc: no cc: a C compiler"):
-        check([shipped("conductor-7")], TOOLS["cc"], 16)
+        check([shipped("conductor-7")], TOOLS["cc"], 64)
 
 
 def test_a_driver_that_finds_no_device_is_told_from_one_that_fails(tmp_path, monkeypatch):
@@ -121,6 +121,6 @@ def test_a_driver_that_finds_no_device_is_told_from_one_that_fails(tmp_path, mon
 
 def test_a_tool_without_a_device_compiles_only():
     nothing = Tool("nothing", "c", "library.c", (), None, "")
-    found = check([shipped("conductor-7")], nothing, 16)
+    found = check([shipped("conductor-7")], nothing, 64)
     assert found.agreements == ()
     assert found.worst is None
