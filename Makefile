@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CONFIG ?= configs/quick.toml
 
-.PHONY: study test test-all lint types benchmark constraints system slang clean
+.PHONY: study test test-all lint types benchmark constraints system shaders slang clean
 
 study: $(VENV)/.core
 	$(BIN)/ecfit run $(CONFIG)
@@ -15,10 +15,10 @@ ONE_THREAD := PJRT_NPROC=1 OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL_NUM_THRE
 	BLIS_NUM_THREADS=1 VECLIB_MAXIMUM_THREADS=1
 PYTEST := $(ONE_THREAD) $(BIN)/pytest -n 2 --dist loadfile
 
-test: $(VENV)/.test $(VENV)/.shaders slang
+test: $(VENV)/.test shaders
 	$(PYTEST)
 
-test-all: $(VENV)/.test $(VENV)/.shaders slang
+test-all: $(VENV)/.test shaders
 	$(PYTEST) -m ""
 
 lint: $(VENV)/.dev
@@ -43,6 +43,13 @@ constraints: $(VENV)/.uv
 # System packages for the tests that compile and run shaders, which skip without them.
 system:
 	@.ci/system
+
+# What compiles and runs shaders; where a platform has no such package, its tests are skipped.
+shaders: $(VENV)/.shaders $(VENV)/.slang
+
+$(VENV)/.shaders: $(VENV)/.core
+	$(BIN)/uv pip install --quiet --python $(BIN)/python -c constraints.txt -e '.[shaders]' \
+	  && touch $@ || echo "not all of 'ecfit[shaders]' is there for this platform: its tests are skipped"
 
 # The Slang compiler, 34 MB. Alone: what its package depends on is 5.6 GB that nothing here uses.
 slang: $(VENV)/.slang
