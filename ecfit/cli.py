@@ -365,13 +365,16 @@ def export(
     output: Path | None = None,
     coordinates: str = "",
     clamp: bool = False,
+    factor: bool = False,
+    least: float | None = None,
+    derivative: str = "",
 ) -> None:
-    """Write a fit as source code of a language: one function, its contract in a comment.
+    """Write a fit as source code of a language, with its contract in a comment.
 
     Parameters
     ----------
     fit
-        A published or shipped fit by name (`ecfit list` shows them), or the JSON file of a fit.
+        A published or shipped fit by name (`ecfit list` shows them), a fit's JSON file, or a table (NPZ).
     lang
         glsl, hlsl, wgsl, msl, slang, osl, c, cpp or python.
     name
@@ -382,14 +385,22 @@ def export(
         Views that it takes, separated by commas: r or alpha, F0 or ior. By default those of the fit.
     clamp
         Clamp the arguments to the domain.
+    factor
+        Also a function for 1 / E, and for conductors one for 1 + F0 (1 / E - 1) with a colour F0.
+    least
+        E is raised to this where 1 / E is meant; 1/32 by default.
+    derivative
+        Also a function for the slope by this argument.
     """
-    from ecfit.approximation import find
-    from ecfit.export import code, evidence_from
+    from ecfit.export import code, source
     from ecfit.files import write_text
 
     views = [v.strip() for v in coordinates.split(",") if v.strip()]
-    settings = {"name": name, "coordinates": views, "clamp": clamp}
-    text = code(find(fit), lang, evidence=evidence_from(fit), **settings)
+    settings: dict[str, Any] = {"name": name, "coordinates": views, "clamp": clamp, "factor": factor}
+    if least is not None:
+        settings["least"] = least
+    approximation, evidence = source(fit)
+    text = code(approximation, lang, derivative=derivative, evidence=evidence, **settings)
     if output is None:
         print(text, end="")
     else:

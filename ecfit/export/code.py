@@ -2,14 +2,18 @@
 
 from collections.abc import Sequence
 
-from ecfit.approximation import Approximation, Quotient, Written
+from ecfit.approximation import Approximation, Lookup, Quotient, Written
+from ecfit.errors import EcfitError, unknown
+from ecfit.export.compensation import LEAST, factors
 from ecfit.export.contract import contract_lines
 from ecfit.export.coordinates import Arguments, arguments
 from ecfit.export.evidence import evidence_for
 from ecfit.export.functions import Function
 from ecfit.export.languages import Language, check_name, language
+from ecfit.export.lookups import TableFunction, table_function
 from ecfit.export.nest import nested_sums
 from ecfit.expressions import Node, cost
+from ecfit.expressions import derivative as derivative_of
 from ecfit.expressions.fold import folded
 
 # Formulas whose expressions are sums as printed by their authors.
@@ -23,28 +27,49 @@ def code(
     name: str | None = None,
     coordinates: Sequence[str] = (),
     clamp: bool = False,
+    factor: bool = False,
+    least: float = LEAST,
+    derivative: str = "",
     evidence: Sequence[str] | None = None,
 ) -> str:
     """Source text of a function that computes an approximation in single precision.
 
     Args:
-        approximation: what is exported; a formula, not a table.
+        approximation: what is exported; a table, which is read linearly and clamps, in C and C++ only.
         target: name of a language; see `LANGUAGES`.
         name: of the function; by default the approximation's with underscores.
         coordinates: views in which arguments are taken, such as ("r", "ior"); by default the form's own.
             Their order is mu, alpha (or r), F0 (or ior), then others.
         clamp: whether arguments are clamped to the domain.
+        factor: whether `name_factor` follows, 1 / E, and for a conductor `name_metal` with a colour F0.
+        least: E is raised to this where 1 / E is meant.
+        derivative: an argument by which `name_d<argument>` follows, the slope of the value.
         evidence: lines of the comment on errors; by default those of the certificate of a shipped fit.
 
-    Raises `EcfitError` for unknown languages and coordinates, names that the language reserves, and tables.
+    Raises `EcfitError` for unknown languages, coordinates and arguments, names that the language reserves,
+    tables elsewhere than in C, and factors of what is no albedo.
     """
     found = language(target)
     label = check_name(name if name is not None else default_name(approximation), found)
-    taken = arguments(approximation, [coordinates] if isinstance(coordinates, str) else coordinates, clamp)
-    function = value_function(approximation, label, taken)
+    views = [coordinates] if isinstance(coordinates, str) else coordinates
+    table = isinstance(approximation.formula, Lookup)
+    taken = arguments(approximation, views, clamp or table)
+    functions: list[Function | TableFunction]
+    if table:
+        functions = [table_function(approximation, label, taken)]
+    else:
+        functions = [value_function(approximation, label, taken)]
+    if factor:
+        functions += factors(approximation, label, taken, least)
+    if derivative:
+        functions.append(slope(functions[0], derivative))
+    for other in functions[1:]:
+        check_name(other.name, found)
     known = list(evidence) if evidence is not None else evidence_for(approximation)
-    lines = contract_lines(approximation, label, taken, clamp, cost(function.value), known)
-    return text(found, label, lines, [function])
+    first = functions[0]
+    price = cost(first.value) if isinstance(first, Function) else None
+    lines = contract_lines(approximation, label, taken, clamp or table, price, known)
+    return text(found, label, lines, functions)
 
 
 def default_name(approximation: Approximation) -> str:
@@ -75,11 +100,26 @@ def value_function(approximation: Approximation, name: str, taken: Arguments) ->
     return Function(name, taken.names, expression(approximation, taken), note, meanings=meanings)
 
 
-def text(target: Language, name: str, comment: Sequence[str], functions: Sequence[Function]) -> str:
+def slope(function: Function | TableFunction, argument: str) -> Function:
+    """The derivative of a function by one of its arguments. Raises `EcfitError` for others and for tables."""
+    if isinstance(function, TableFunction):
+        raise EcfitError("a table has no derivative to export: take differences of its values")
+    if argument not in function.arguments:
+        raise unknown("argument for a derivative", argument, function.arguments)
+    value = folded(derivative_of(function.value, argument))
+    note = f"d {function.name} / d {argument}"
+    name = f"{function.name}_d{argument}"
+    return Function(name, function.arguments, value, note, meanings=function.meanings)
+
+
+def text(
+    target: Language, name: str, comment: Sequence[str], functions: Sequence[Function | TableFunction]
+) -> str:
     """A whole file."""
     guard = f"{name.upper()}_{target.extension.upper()}"
     parts = ["\n".join((target.comment + line).rstrip() for line in comment)]
     if target.prologue:
-        parts.append(target.prologue.format(guard=guard).rstrip("\n") + "\n" * (target.name == "python"))
+        parts.append(target.prologue.format(guard=guard))
     parts += ["\n".join(f.written(target)) for f in functions]
-    return "\n\n".join(parts) + "\n" + (target.epilogue + "\n" if target.epilogue else "")
+    whole = "\n\n".join(part.strip("\n") + target.after for part in parts).rstrip("\n")
+    return f"{whole}\n{target.epilogue}\n" if target.epilogue else f"{whole}\n"

@@ -5,9 +5,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ecfit.approximation import Approximation, shipped
+from ecfit.approximation import Approximation, find, shipped
 from ecfit.approximation.shipped import shipped_folder
 from ecfit.files import read_json
+from ecfit.tables import Table
 
 UNKNOWN = "against the model: not measured here"
 
@@ -25,9 +26,16 @@ def evidence_of(data: Mapping[str, Any]) -> list[str]:
     return [UNKNOWN]
 
 
-def evidence_from(name: str) -> list[str] | None:
-    """The same from a JSON file of a fit; None for the name of a shipped or published one."""
-    return evidence_of(read_json(Path(name))) if name.endswith(".json") else None
+def source(name: str) -> tuple[Approximation, list[str]]:
+    """An approximation and what is known of its errors, by a name of `find` or from a table's file (NPZ).
+
+    Raises `EcfitError` for an unknown name and a file that is missing or holds something else.
+    """
+    if name.endswith(".npz"):
+        label = Path(name).stem
+        return Approximation.lookup(Table.load(name), label), [f"{UNKNOWN}: between its nodes"]
+    found = find(name)
+    return found, evidence_of(read_json(Path(name))) if name.endswith(".json") else evidence_for(found)
 
 
 def evidence_for(approximation: Approximation) -> list[str]:

@@ -48,4 +48,10 @@ class Function:
         body, value = statements(self.value, target, self.meanings, taken)
         lines += [*body, *wrapped(f"return {{value}}{target.stop}", value, target)]
         end = [target.end] if target.end else []
-        return [f"{target.comment}{self.note}", *signature.splitlines(), *(f"    {x}" for x in lines), *end]
+        scalar = " (one call a channel)" * (bool(self.colours) and target.colour == target.real)
+        return [
+            f"{target.comment}{self.note}{scalar}",
+            *signature.splitlines(),
+            *(f"    {x}" for x in lines),
+            *end,
+        ]

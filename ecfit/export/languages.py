@@ -27,11 +27,11 @@ _CPP: Calls = {
     "abs": "std::abs({0})", "pow": "std::pow({0}, {1})", "min": "std::min({0}, {1})",
     "max": "std::max({0}, {1})", "step": "({0} >= {1} ? 1.0f : 0.0f)",
 }  # fmt: skip
-# Only what NumPy, JAX and Dr.Jit have under one name (`step`, of derivatives, is NumPy's and JAX's).
+# Only what NumPy, JAX and Dr.Jit have under one name; Dr.Jit lacks what derivatives of limits need.
 _PYTHON: Calls = {
     "sqrt": "xp.sqrt({0})", "exp": "xp.exp({0})", "exp2": "xp.power(2.0, {0})", "log": "xp.log({0})",
     "abs": "xp.abs({0})", "pow": "xp.power({0}, {1})", "min": "xp.minimum({0}, {1})",
-    "max": "xp.maximum({0}, {1})", "step": "xp.where({0} >= {1}, 1.0, 0.0)",
+    "max": "xp.maximum({0}, {1})", "step": "xp.heaviside({0} - {1}, 1.0)",
 }  # fmt: skip
 
 
@@ -57,6 +57,8 @@ class Language:
         prologue, epilogue: before and after all functions; {guard} is a name in capitals.
         joined: how a long statement goes on in the next line: "" where line breaks do not matter, else the
             pair of brackets that it needs.
+        after: further line ends after each part of a file.
+        array: start of an array of constants, {name} and {size}; none where tables belong into textures.
         unused: a statement that keeps compilers from warning of the argument {name} that nothing uses.
     """
 
@@ -78,6 +80,8 @@ class Language:
     epilogue: str = ""
     joined: str = ""
     unused: str = ""
+    after: str = ""
+    array: str = ""
 
     @property
     def keywords(self) -> frozenset[str]:
@@ -85,6 +89,7 @@ class Language:
         return frozenset(keyword.kwlist) if self.name == "python" else RESERVED[self.name]
 
 
+_ARRAY = "static const float {name}[{size}] = {{"
 _VOID = "(void){name};"
 _GUARDED = "#ifndef {guard}\n#define {guard}\n\n#include <math.h>\n"
 
@@ -106,18 +111,18 @@ LANGUAGES: Mapping[str, Language] = MappingProxyType({
         Language("osl", "OSL", "osl", declare="float {name} = {value};", colour="color"),
         Language(
             "c", "C", "h", "static inline {result} {name}({arguments})\n{{", colour="float", calls=_C,
-            suffix="f", prologue=_GUARDED, epilogue="\n#endif", unused=_VOID,
+            suffix="f", prologue=_GUARDED, epilogue="\n#endif", unused=_VOID, array=_ARRAY,
         ),
         Language(
             "cpp", "C++", "hpp", "inline {result} {name}({arguments})\n{{", colour="float", calls=_CPP,
             suffix="f",
             prologue="#ifndef {guard}\n#define {guard}\n\n#include <algorithm>\n#include <cmath>\n",
-            epilogue="\n#endif", unused=_VOID,
+            epilogue="\n#endif", unused=_VOID, array=_ARRAY,
         ),
         Language(
             "python", "Python", "py", "def {name}({arguments}, *, xp=numpy):", "{name}", "{name} = {value}",
-            calls=_PYTHON, double=True, comment="# ", end="", stop="", prologue="import numpy\n\n",
-            joined="()",
+            calls=_PYTHON, double=True, comment="# ", end="", stop="", prologue="import numpy",
+            joined="()", after="\n",
         ),
     )
 })  # fmt: skip

@@ -17,7 +17,11 @@ _MEANT = 2
 
 
 def named(
-    roots: Sequence[Node], meanings: Mapping[Node, str], taken: Iterable[str], repeats: Iterable[str] = ()
+    roots: Sequence[Node],
+    meanings: Mapping[Node, str],
+    taken: Iterable[str],
+    repeats: Iterable[str] = (),
+    stem: str = "t1",
 ) -> dict[Node, str]:
     """Names of local constants, in the order in which they must be defined.
 
@@ -27,6 +31,7 @@ def named(
         roots: the expressions.
         meanings: what some subexpressions are, as a name.
         taken: names that are not available.
+        stem: the first name, with a number, of what has none.
         repeats: operations that the language writes with an argument twice, which must then be short.
     """
     order = topological(roots)
@@ -43,7 +48,7 @@ def named(
             continue
         meant = meanings.get(node, "") if sizes[node] >= _MEANT else ""
         if uses[id(node)] > 1 or id(node) in repeated or node in ratios or meant:
-            out[node] = _unused(_stem(node, meanings, ratios, powers, out), used)
+            out[node] = _unused(_stem(node, meanings, ratios, powers, out) or stem, stem, used)
     return out
 
 
@@ -62,7 +67,7 @@ def _stem(
         if stem and not _NUMBERED.fullmatch(stem):
             return _power_name(stem, exponent)
     limited = _limited_input(node)
-    return f"{limited}_safe" if limited else ratios.get(node, "t1")
+    return f"{limited}_safe" if limited else ratios.get(node, "")
 
 
 def _limited_input(node: Node) -> str:
@@ -83,9 +88,9 @@ def _power_name(stem: str, exponent: Fraction) -> str:
     return f"{stem}_{exponent.numerator}_{exponent.denominator}"
 
 
-def _unused(stem: str, used: set[str]) -> str:
+def _unused(stem: str, numbered: str, used: set[str]) -> str:
     """The stem, or the stem with the first number from 2 that is free."""
-    name, base = stem, stem.rstrip("0123456789") if stem == "t1" else f"{stem}_"
+    name, base = stem, stem.rstrip("0123456789") if stem == numbered else f"{stem}_"
     number = 2
     while name in used:
         name, number = f"{base}{number}", number + 1

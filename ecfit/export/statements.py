@@ -27,7 +27,7 @@ class _Text(NamedTuple):
 
 
 def statements(
-    root: Node, target: Language, meanings: Mapping[Node, str], taken: Iterable[str]
+    root: Node, target: Language, meanings: Mapping[Node, str], taken: Iterable[str], stem: str = "t1"
 ) -> tuple[list[str], str]:
     """Definitions of locals, one a line (a long one on several), and the value.
 
@@ -36,9 +36,10 @@ def statements(
         target: the language.
         meanings: names for subexpressions that have a meaning.
         taken: names that locals must not have.
+        stem: the first name of locals that have none.
     """
     repeats = [op for op, text in target.calls.items() if text.count("{0}") > 1 or text.count("{1}") > 1]
-    names = named([root], meanings, {*taken, *target.keywords}, repeats)
+    names = named([root], meanings, {*taken, *target.keywords}, repeats, stem)
     writer = _Writer(target, names)
     lines: list[str] = []
     for node, name in names.items():

@@ -42,7 +42,7 @@ class Cost(NamedTuple):
 _KIND = {
     "mul": "products", "add": "adds", "sub": "adds", "div": "divisions", "sqrt": "roots",
     "exp": "transcendentals", "exp2": "transcendentals", "log": "transcendentals", "pow": "transcendentals",
-    "min": "comparisons", "max": "comparisons",
+    "min": "comparisons", "max": "comparisons", "step": "comparisons",
 }  # fmt: skip
 
 

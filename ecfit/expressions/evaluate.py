@@ -28,6 +28,7 @@ def _rules(xp: Any) -> dict[str, Callable[..., Any]]:
         "div": lambda x, y: x / y,
         "min": xp.minimum,
         "max": xp.maximum,
+        "step": lambda x, edge: xp.heaviside(x - edge, 1.0),
     }
 
 

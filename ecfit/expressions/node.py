@@ -5,9 +5,10 @@ from collections.abc import Mapping, Sequence
 from weakref import WeakValueDictionary
 
 # Operations and their number of arguments. `const` holds a value, `var` a name, `pow` its constant exponent.
+# `step` comes from derivatives of limits only: intervals have no rule for it.
 ARITY = {
     "const": 0, "var": 0, "neg": 1, "sqrt": 1, "exp": 1, "exp2": 1, "log": 1, "abs": 1, "pow": 1,
-    "add": 2, "sub": 2, "mul": 2, "div": 2, "min": 2, "max": 2,
+    "add": 2, "sub": 2, "mul": 2, "div": 2, "min": 2, "max": 2, "step": 2,
 }  # fmt: skip
 
 
@@ -113,6 +114,11 @@ def minimum(x: "Node | float", y: "Node | float") -> Node:
 def maximum(x: "Node | float", y: "Node | float") -> Node:
     """The greater of two."""
     return _make("max", _node(x), _node(y))
+
+
+def step(x: "Node | float", edge: "Node | float") -> Node:
+    """1 where x >= edge, else 0."""
+    return _make("step", _node(x), _node(edge))
 
 
 def unary(op: str, x: "Node | float") -> Node:
