@@ -1,6 +1,6 @@
 """Exported approximations against NumPy: what a tool's program gives, in units in the last place."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -8,11 +8,13 @@ import numpy as np
 
 from ecfit.approximation import Approximation
 from ecfit.errors import EcfitError
-from ecfit.export import code
-from ecfit.export.code import default_name, expression
+from ecfit.export import LANGUAGES, code
+from ecfit.export.code import default_name, expression, slope, value_function
+from ecfit.export.compensation import LEAST as LEAST_ALBEDO
+from ecfit.export.compensation import factors
 from ecfit.export.coordinates import Arguments, arguments
 from ecfit.export.ulps import exact, points, ulps
-from ecfit.expressions import Node, value
+from ecfit.expressions import Node, substitute, value
 from ecfit.shaders.devices import NoDevice
 from ecfit.shaders.program import ARGUMENTS, Function
 from ecfit.shaders.tools import Tool
@@ -189,6 +191,35 @@ def case(
     source = code(approximation, language, name=name, coordinates=coordinates, clamp=clamp, evidence=())
     function = Function(name, len(taken.names), source)
     return Case(function, expression(approximation, taken), taken)
+
+
+def family(approximation: Approximation, language: str, derivative: str) -> list[Case]:
+    """The value, its factors 1 / E and the slope by an argument, all exported in one file.
+
+    Of a colour's channels, which are alike, one is taken. Raises `EcfitError` as `ecfit.export.code`.
+    """
+    name, taken = default_name(approximation), arguments(approximation, (), False)
+    source = code(approximation, language, factor=True, derivative=derivative, evidence=())
+    first = value_function(approximation, name, taken)
+    found = [Case(Function(name, len(taken.names), source), first.value, taken)]
+    for other in (*factors(approximation, name, taken, LEAST_ALBEDO), slope(first, derivative)):
+        more = [n for n in other.arguments if n not in taken.names]
+        whole = Arguments(other.arguments, (*taken.domain, *[(0.0, 1.0)] * len(more)), taken.transform)
+        expression = substitute(other.value, dict.fromkeys(other.calls, first.value))
+        call = _call(other.name, other.arguments, other.colours, LANGUAGES[language].colour)
+        found.append(Case(Function(other.name, len(other.arguments), "", call), expression, whole))
+    return found
+
+
+def _call(name: str, arguments: Sequence[str], colours: Collection[str], colour: str) -> str:
+    """A call with numbers x0, x1, ... where some arguments are colours: grey ones, and red of the result."""
+    numbers = [f"x{i}" for i in range(len(arguments))]
+    if not colours or colour == "float":
+        return f"{name}({', '.join(numbers)})"
+    given = [
+        f"{colour}({x}, {x}, {x})" if a in colours else x for x, a in zip(numbers, arguments, strict=True)
+    ]
+    return f"{name}({', '.join(given)}){'[0]' if colour == 'color' else '.x'}"
 
 
 def check(approximations: Sequence[Approximation], tool: Tool, count: int = 4096, seed: int = 1) -> Outcome:

@@ -12,8 +12,8 @@ ARGUMENTS = 4
 _ENTRIES = Path(__file__).with_name("entries")
 # How a function is chosen by its number where it is not C's way.
 # Mesa's GLSL compiler makes nested branches of a switch, and llvmpipe follows no more than 80 without a word.
-_FLAT = "if (f == {}) value = {}({});"
-_CASES = {".wgsl": "case {}: {{ value = {}({}); }}", ".osl": _FLAT, ".glsl": _FLAT}
+_FLAT = "if (f == {}) value = {};"
+_CASES = {".wgsl": "case {}: {{ value = {}; }}", ".osl": _FLAT, ".glsl": _FLAT}
 
 
 @dataclass(frozen=True)
@@ -23,16 +23,23 @@ class Function:
     Attributes:
         name: how it is called.
         arguments: how many real numbers it takes, at most `ARGUMENTS`.
-        source: its definition, with whatever it needs.
+        source: its definition, with whatever it needs; "" if another function's source has it.
+        call: how it is called with x0, x1, ...; by default with these numbers.
     """
 
     name: str
     arguments: int
     source: str
+    call: str = ""
 
     def __post_init__(self) -> None:
         if not 1 <= self.arguments <= ARGUMENTS:
             raise EcfitError(f"'{self.name}' takes {self.arguments} numbers, expected 1 to {ARGUMENTS}")
+
+    @property
+    def value(self) -> str:
+        """The text of a call."""
+        return self.call or f"{self.name}({', '.join(f'x{k}' for k in range(self.arguments))})"
 
 
 def program(entry: str, functions: Sequence[Function], points: int) -> str:
@@ -48,11 +55,8 @@ def program(entry: str, functions: Sequence[Function], points: int) -> str:
     names = [f.name for f in functions]
     if len(set(names)) < len(names):
         raise EcfitError("two functions of one program have the same name: give them names of their own")
-    case = _CASES.get(Path(entry).suffix, "case {}: value = {}({}); break;")
-    cases = [
-        "    " + case.format(i, f.name, ", ".join(f"x{k}" for k in range(f.arguments)))
-        for i, f in enumerate(functions)
-    ]
+    case = _CASES.get(Path(entry).suffix, "case {}: value = {}; break;")
+    cases = [f"    {case.format(i, f.value)}" for i, f in enumerate(functions)]
     filled = {
         "//@functions": "\n".join(f.source for f in functions),
         "//@cases": "\n".join(cases),

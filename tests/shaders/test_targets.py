@@ -12,7 +12,7 @@ import pytest
 from ecfit.approximation import find, published_names, shipped
 from ecfit.errors import EcfitError
 from ecfit.expressions.node import topological
-from ecfit.shaders.check import case, compare
+from ecfit.shaders.check import case, compare, family
 from ecfit.shaders.devices import NoDevice
 from ecfit.shaders.tools import TOOLS
 
@@ -88,6 +88,30 @@ def test_shipped_fits_compile(name):
         assert made.startswith(b"\x03\x02\x23\x07")
     if name == "slang-to-metal":
         assert b"#include <metal_stdlib>" in made
+
+
+@pytest.mark.parametrize("name", ["metal-as-c++", "opengl", *slow(n for n in [*FAST[2:], *SLOW])])
+def test_factors_and_slopes(name):
+    """What a lobe is multiplied with, a metal's in colour, and the derivative, from one file."""
+    tool = TOOLS[name]
+    if tool.missing():
+        pytest.skip(str(tool.missing()))
+    given = family(shipped("conductor-10"), tool.language, "alpha")
+    try:
+        found = compare(given, tool, POINTS).agreements
+    except NoDevice as reason:
+        pytest.skip(str(reason))
+    value, factor, metal, slope = found
+    assert [a.name for a in found] == [
+        "conductor_10",
+        *(f"conductor_10_{n}" for n in ("factor", "metal", "dalpha")),
+    ]
+    for one in (value, factor, metal):
+        assert one.passes, one.describe()
+    # Where alpha and mu are both 0 the slope depends on the way there; elsewhere it is a number.
+    assert slope.exact_common < 64.0, slope.describe()
+    if name in BIT_EXACT:
+        assert max(a.worst for a in found) == 0.0, slope.describe()
 
 
 @pytest.mark.slow
