@@ -1,14 +1,14 @@
 """Exported code on this machine's compilers and devices: what compiles, what runs, how near to NumPy.
 
-    python benchmarks/shaders.py                  # all tools that are here; about two minutes of processor time
+    python benchmarks/shaders.py                  # all tools that are here; two minutes of one processor
     python benchmarks/shaders.py --quick          # few points
     python benchmarks/shaders.py --write          # puts the tables into docs/export-proof.md
     python benchmarks/shaders.py --tool webgpu    # only one; repeatable
 
 All shipped fits, and for two tools (in C and in WGSL) all published formulas of up to four coordinates too,
-exported with the defaults to each language, one program a tool. Points lie in the closed domain of each: half of them on
-corners, edges and near them, half uniform. Install what is missing with `make system`, `make slang` and
-`pip install 'ecfit[shaders]'`; for OSL set ECFIT_BPY_PYTHON to a Python with Blender's bpy.
+exported with the defaults to each language, one program a tool. Points lie in the closed domain of each: half
+of them on corners, edges and near them, half uniform. Install what is missing with `make system` and `make
+shaders`, or `pip install 'ecfit[shaders]'` and `pip install --no-deps slangtorch`; for OSL set ECFIT_BPY_PYTHON to a Python with Blender's bpy.
 """
 
 import common
