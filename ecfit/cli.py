@@ -376,11 +376,11 @@ def export(
     fit
         A published or shipped fit by name (`ecfit list` shows them), a fit's JSON file, or a table (NPZ).
     lang
-        glsl, hlsl, wgsl, msl, slang, osl, c, cpp or python.
+        glsl, hlsl, wgsl, msl, slang, osl, c, cpp, python, or materialx: a library of several files.
     name
         Of the function; by default the fit's.
     output
-        File to write; without, the code is printed.
+        File to write, folder for materialx; without, the code is printed.
     coordinates
         Views that it takes, separated by commas: r or alpha, F0 or ior. By default those of the fit.
     clamp
@@ -392,20 +392,13 @@ def export(
     derivative
         Also a function for the slope by this argument.
     """
-    from ecfit.export import code, source
-    from ecfit.files import write_text
+    from ecfit.export import Options, source, write
 
-    views = [v.strip() for v in coordinates.split(",") if v.strip()]
-    settings: dict[str, Any] = {"name": name, "coordinates": views, "clamp": clamp, "factor": factor}
-    if least is not None:
-        settings["least"] = least
+    views = tuple(v.strip() for v in coordinates.split(",") if v.strip())
     approximation, evidence = source(fit)
-    text = code(approximation, lang, derivative=derivative, evidence=evidence, **settings)
-    if output is None:
-        print(text, end="")
-    else:
-        write_text(output, text)
-        print(f"written: {output}")
+    given = {} if least is None else {"least": least}
+    options = Options(name, views, clamp, factor, derivative=derivative, evidence=evidence, **given)
+    print(write(approximation, lang, options, output))
 
 
 @app.command

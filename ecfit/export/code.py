@@ -1,6 +1,7 @@
 """`code`: an approximation as source text of a language."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from ecfit.approximation import Approximation, Lookup, Quotient, Written
 from ecfit.errors import EcfitError, unknown
@@ -18,6 +19,19 @@ from ecfit.expressions.fold import folded
 
 # Formulas whose expressions are sums as printed by their authors.
 _PLAIN = (Quotient.kind, Written.kind)
+
+
+@dataclass(frozen=True)
+class Options:
+    """What one may choose in an export; see `code`."""
+
+    name: str | None = None
+    coordinates: tuple[str, ...] = ()
+    clamp: bool = False
+    factor: bool = False
+    least: float = LEAST
+    derivative: str = ""
+    evidence: Sequence[str] | None = None
 
 
 def code(
@@ -49,27 +63,41 @@ def code(
     Raises `EcfitError` for unknown languages, coordinates and arguments, names that the language reserves,
     tables elsewhere than in C, and factors of what is no albedo.
     """
+    options = Options(name, tuple(_listed(coordinates)), clamp, factor, least, derivative, evidence)
     found = language(target)
-    label = check_name(name if name is not None else default_name(approximation), found)
-    views = [coordinates] if isinstance(coordinates, str) else coordinates
+    return text(found, *parts(approximation, found, options))
+
+
+def _listed(names: Sequence[str]) -> Sequence[str]:
+    return [names] if isinstance(names, str) else names
+
+
+def parts(
+    approximation: Approximation, target: Language, options: Options
+) -> tuple[str, list[str], list[Function | TableFunction]]:
+    """The name of the main function, lines of the comment, and all functions, of a file in a language.
+
+    Raises `EcfitError` as `code`.
+    """
+    label = check_name(options.name or default_name(approximation), target)
     table = isinstance(approximation.formula, Lookup)
-    taken = arguments(approximation, views, clamp or table)
+    clamped = options.clamp or table
+    taken = arguments(approximation, options.coordinates, clamped)
     functions: list[Function | TableFunction]
     if table:
         functions = [table_function(approximation, label, taken)]
     else:
         functions = [value_function(approximation, label, taken)]
-    if factor:
-        functions += factors(approximation, label, taken, least)
-    if derivative:
-        functions.append(slope(functions[0], derivative))
+    if options.factor:
+        functions += factors(approximation, label, taken, options.least)
+    if options.derivative:
+        functions.append(slope(functions[0], options.derivative))
     for other in functions[1:]:
-        check_name(other.name, found)
-    known = list(evidence) if evidence is not None else evidence_for(approximation)
-    first = functions[0]
+        check_name(other.name, target)
+    first, known = functions[0], options.evidence
+    evidence = list(known) if known is not None else evidence_for(approximation)
     price = cost(first.value) if isinstance(first, Function) else None
-    lines = contract_lines(approximation, label, taken, clamp or table, price, known)
-    return text(found, label, lines, functions)
+    return label, contract_lines(approximation, label, taken, clamped, price, evidence), functions
 
 
 def default_name(approximation: Approximation) -> str:

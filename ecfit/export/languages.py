@@ -1,7 +1,7 @@
 """The languages, as data: how each writes types, declarations, functions and a few operations."""
 
 import keyword
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
@@ -128,10 +128,10 @@ LANGUAGES: Mapping[str, Language] = MappingProxyType({
 })  # fmt: skip
 
 
-def language(name: str) -> Language:
-    """A language by name. Raises `EcfitError` for an unknown one (it lists the known)."""
+def language(name: str, also: Iterable[str] = ()) -> Language:
+    """A language by name. Raises `EcfitError` for an unknown one: it lists the known, and what is `also`."""
     if name not in LANGUAGES:
-        raise unknown("language", name, LANGUAGES)
+        raise unknown("language", name, [*LANGUAGES, *also])
     return LANGUAGES[name]
 
 

@@ -28,7 +28,7 @@ def test_round_trip_in_double_precision(x):
 @pytest.mark.parametrize(
     ("x", "text"),
     [(0.516553, "0.516553f"), (1.0, "1.0f"), (-3.0, "-3.0f"), (1e-6, "1e-6f"), (1e-20, "1e-20f"),
-     (0.1, "0.1f"), (3.141592653589793, "3.1415927f"), (1e10, "1e10f"), (1234567.0, "1.234567e6f"), (123456.0, "123456.0f")],
+     (0.1, "0.1f"), (3.141592653589793, "3.1415927f"), (1e10, "1e10f"), (1234567.0, "1.234567e6f")],
 )  # fmt: skip
 def test_readable(x, text):
     assert literal(x, suffix="f") == text
