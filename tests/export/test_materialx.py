@@ -61,10 +61,11 @@ def test_the_generators_take_it(tmp_path, generator):
     output.setConnectedNode(node)
     assert document.validate()[0]
     made = f"{generator.title()}ShaderGenerator"
-    context = render.GenContext(getattr(module, made).create())
+    maker = getattr(module, made).create()
+    context = render.GenContext(maker)
     context.registerSourceCodeSearchPath(path)
     context.registerSourceCodeSearchPath(mx.FileSearchPath(str(tmp_path)))
-    shader = context.getShaderGenerator().generate("shader", output, context)
+    shader = maker.generate("shader", output, context)
     source = shader.getSourceCode("pixel")
     assert "mx_ecfit_E_metal(" in source
     numbers = {np.float32(n) for n in re.findall(r"\d+\.\d+(?:e-\d+)?", source)}
