@@ -8,7 +8,8 @@
 All shipped fits, and for two tools (in C and in WGSL) all published formulas of up to four coordinates too,
 exported with the defaults to each language, one program a tool. Points lie in the closed domain of each: half
 of them on corners, edges and near them, half uniform. Install what is missing with `make system` and `make
-shaders`, or `pip install 'ecfit[shaders]'` and `pip install --no-deps slangtorch`; for OSL set ECFIT_BPY_PYTHON to a Python with Blender's bpy.
+shaders`, or `pip install 'ecfit[shaders]'` and `pip install --no-deps slangtorch`; for OSL set
+ECFIT_BPY_PYTHON to a Python with Blender's bpy.
 """
 
 import common
