@@ -2,7 +2,7 @@
 
     python benchmarks/shaders.py                  # all tools that are here; two minutes of one processor
     python benchmarks/shaders.py --quick          # few points
-    python benchmarks/shaders.py --write          # puts the tables into docs/export-proof.md
+    python benchmarks/shaders.py --write          # puts the table of tools into docs/export.md
     python benchmarks/shaders.py --tool webgpu    # only one; repeatable
 
 All shipped fits, and for two tools (in C and in WGSL) all published formulas of up to four coordinates too,
@@ -89,7 +89,7 @@ def _cells(agreements: tuple[Agreement, ...], i: int) -> list[str]:
 
 def main() -> None:
     parser = common.arguments(__doc__)
-    parser.add_argument("--write", action="store_true", help="put the tables into docs/export-proof.md")
+    parser.add_argument("--write", action="store_true", help="put the table of tools into docs/export.md")
     parser.add_argument("--tool", action="append", help="only this tool; repeatable")
     given = parser.parse_args()
     chosen: list[Tool] = [named(t) for t in given.tool] if given.tool else list(TOOLS.values())
@@ -109,9 +109,7 @@ def main() -> None:
     ratio = max((a.error / (AGAIN * a.numpy_error + ULP) for a in values), default=np.nan)
     print(f"\n{len(values)} functions run, {bad} values not finite, worst error / allowed: {ratio:.2f}")
     if given.write:
-        common.replace_between(
-            common.DOCS / "export-proof.md", "shaders.py", tools=tools(reports), fits=fits(found, reports)
-        )
+        common.replace_between(common.DOCS / "export.md", "shaders.py", tools=tools(reports))
 
 
 if __name__ == "__main__":
