@@ -196,8 +196,10 @@ def _gradients(bsdf: BSDF, wo: np.ndarray, wi: np.ndarray) -> Finding:
         def f(x: Array, o: Array, i: Array, parameter: str = parameter) -> Array:
             return bsdf.with_parameters({parameter: x}).f(o, i)
 
+        # One compilation gives the slope and the values on both sides.
+        both = jax.jit(jax.vmap(jax.value_and_grad(f), (None, 0, 0)))
         try:
-            slope = jax.jit(jax.vmap(jax.grad(f), (None, 0, 0)))(centre, wo, wi)
+            slope = both(centre, wo, wi)[1]
         except Exception as error:  # whatever the user's code raises is the finding
             return Finding(name, False, f"d f / d {parameter}: {type(error).__name__}")
         slope = np.asarray(slope)
@@ -205,8 +207,8 @@ def _gradients(bsdf: BSDF, wo: np.ndarray, wi: np.ndarray) -> Finding:
             bad = int(np.flatnonzero(~np.isfinite(slope))[0])
             at = _at(bad, {parameter: centre}, wo, wi)
             return Finding(name, False, f"d f / d {parameter} = {slope[bad]} at {at}")
-        over = jax.jit(jax.vmap(f, (None, 0, 0)))
-        difference = np.asarray(over(centre + step, wo, wi) - over(centre - step, wo, wi)) / (2.0 * step)
+        above, below = (both(centre + shift, wo, wi)[0] for shift in (step, -step))
+        difference = np.asarray(above - below) / (2.0 * step)
         error = np.abs(slope - difference) / (1.0 + np.abs(difference))
         # A kink of f may lie within the step of a few directions: judge the bulk.
         if np.quantile(error, 0.98) > 1e-3:

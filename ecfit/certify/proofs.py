@@ -1,5 +1,6 @@
 """Proofs about signs and ranges over the closed domain, by interval subdivision with outward rounding."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import NamedTuple
@@ -72,7 +73,7 @@ def defined(subject: Subject) -> tuple[Proof, ...]:
         found = subject.smallest(node, enough=-0.5 * _ROOT_SLACK)
         out.append(_proof("argument of a root >= 0", found.bound >= -_ROOT_SLACK, found, subject))
     for node in subject.logarithms:
-        found = subject.smallest(node, enough=0.0)
+        found = subject.smallest(node, enough=math.nextafter(0.0, 1.0))
         out.append(_proof("argument of a logarithm > 0", found.bound > 0.0, found, subject))
     return tuple(out)
 

@@ -199,12 +199,13 @@ _FORM_KEYS = {
     "polynomial": ("degree",),
     "rational": ("degree", "numerator", "denominator", "guarded"),
     "structured": ("head", "features", "terms", "start", "charted"),
-    "selected": ("head", "features", "within", "budget", "rounds", "seeds", "price"),
+    "selected": ("head", "features", "within", "budget", "rounds", "seeds", "price", "rounding"),
     "module": ("module", "module_settings"),
     "composed": ("text", "parts"),
 }
 _OPTIONAL_KEYS = (
     "degree", "numerator", "denominator", "guarded", "start", "charted", "rounds", "seeds", "price",
+    "rounding",
     "module_settings",
 )  # fmt: skip
 # How a fit is made: keys of which a module takes some, as it is fitted by least squares, and a composed form
@@ -257,6 +258,10 @@ class FitsConfig(_Section):
     price: Annotated[
         float,
         Field(ge=0.0, le=1.0, description="selected: part of the error that an operation less is worth"),
+    ] = 0.0
+    rounding: Annotated[
+        float,
+        Field(ge=0.0, lt=1.0, description="selected: what a form may lose in single precision; 0: no limit"),
     ] = 0.0
     module: Annotated[
         str | None, Field(min_length=1, description="module: a registered name, or one from plugins")
@@ -341,7 +346,10 @@ class FitsConfig(_Section):
                 "numerators": [n.model_dump() for n in self.within.numerators],
                 "denominator": self.within.denominator.model_dump(),
             }
-            rest = {"rounds": self.rounds, "seeds": self.seeds, "price": self.price, "budgets": self.budget}
+            rest = {
+                "rounds": self.rounds, "seeds": self.seeds, "price": self.price, "rounding": self.rounding,
+                "budgets": self.budget,
+            }  # fmt: skip
             return [
                 {"head": self.head, "features": self.features, **bounds, "budget": b, **rest}
                 for b in self.budget or []

@@ -45,8 +45,8 @@ def smallest(
         node: the expression. Constants are exactly the float64 numbers that they are.
         box: (low, high) of each input, by name; low = high is a fixed one.
         tolerance: stop when value and bound are within this of each other, relative to |value|.
-        enough: boxes on which the expression exceeds this are not refined any further: a proof of the sign
-            (enough = 0) is then cheap, and the bound no better than it needs to be.
+        enough: boxes on which the expression is proven to be at least this are not refined any further: a
+            proof of the sign (enough = 0) is then cheap, and the bound no better than it needs to be.
         constraint: tells boxes that lie wholly outside a domain within the box, for which nothing need hold.
         floors: what is proven already of divisors in the expression: divisor >= floor where the floor is
             positive, divisor <= floor where it is negative. A quotient is then bounded on large boxes too.
@@ -111,9 +111,11 @@ class Search:
         bounds, split = self._examine(lows, highs, np.full(len(lows), -np.inf))
         done = np.inf  # least bound of the boxes that are not refined any further
         examined = len(lows)
+        sufficient = np.inf if enough is None else enough
         while True:
-            cut = self._cut(tolerance, enough)
-            leave = (bounds > cut) | (split < 0)
+            cut = self._cut(tolerance, sufficient)
+            # One that reaches `enough` exactly is done too: t >= 0 needs no refinement towards t = 0.
+            leave = (bounds > cut) | (bounds >= sufficient) | (split < 0)
             if leave.any():
                 done = min(done, float(bounds[leave].min()))
                 lows, highs, bounds, split = (a[~leave] for a in (lows, highs, bounds, split))
@@ -135,10 +137,10 @@ class Search:
         bound = min(done, float(bounds.min(initial=np.inf)), self.best)
         return Minimum(float(self.best), tuple(map(float, self.place)), float(bound))
 
-    def _cut(self, tolerance: float, enough: float | None) -> float:
+    def _cut(self, tolerance: float, sufficient: float) -> float:
         """Boxes bounded by more than this need no refinement."""
         cut = self.best - tolerance * abs(self.best) if np.isfinite(self.best) else np.inf
-        return cut if enough is None else min(cut, enough)
+        return min(cut, sufficient)
 
     def _initial(self) -> tuple[np.ndarray, np.ndarray]:
         """A few hundred boxes: the first sweeps would cost as much with one."""

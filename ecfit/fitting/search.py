@@ -80,6 +80,8 @@ class Search:
         strength: weight of what exceeds the head's limits.
         operations: cost of a support and leading column in multiply-adds, or None.
         price: relative growth of the error that one multiply-add less is worth.
+        rounding: what a form may lose in single precision (`Descent.rounding`), or None; one that loses
+            four times as much counts as twice as far off.
     """
 
     def __init__(
@@ -89,8 +91,9 @@ class Search:
         strength: float = 1.0,
         operations: Callable[[Support, int], float] | None = None,
         price: float = 0.0,
+        rounding: float | None = None,
     ) -> None:
-        self.descent, self.strength = descent, strength
+        self.descent, self.strength, self._rounding = descent, strength, rounding
         self.best: dict[int, Found] = {}
         self.fits = 0
         self._operations, self._price = operations, price
@@ -133,9 +136,14 @@ class Search:
         # Without Q > 0 at the end there is no form; not so for NaN.
         if not np.all(np.isfinite(solved.coefficients)) or not solved.objective < REFUSED:
             return None
-        found = Found(tuple(map(tuple, support)), leading, solved.coefficients, solved.rms, solved.objective)
         if self.descent.least_q(support, leading, solved.coefficients) <= _LEAST_Q:
             return None
+        objective = solved.objective
+        if self._rounding is not None:
+            # Not a refusal: a search may begin with forms that lose too much, and has to see the way out.
+            lost = self.descent.rounding(support, leading, solved.coefficients)
+            objective *= max(1.0, lost / self._rounding) ** 0.5
+        found = Found(tuple(map(tuple, support)), leading, solved.coefficients, solved.rms, objective)
         # Q's largest term leads: a small one would make all coefficients large.
         parts = found.denominator * self._means[list(found.support[-1])]
         heir = int(np.argmax(parts)) if len(parts) else -1

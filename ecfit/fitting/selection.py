@@ -111,7 +111,7 @@ def select(
         structure = chosen(form.whole, support, leading)
         return cost(structure.expression(np.full(structure.count, 0.5))).total
 
-    search = Search(descent, operations=operations, price=form.price)
+    search = Search(descent, operations=operations, price=form.price, rounding=form.rounding)
     rng = np.random.default_rng(seed)
     first = first_form(search)
     for _ in range(_RANDOM_TERMS if seed else 0):

@@ -71,6 +71,8 @@ class Selected(Form):
         rounds: fits of exchanges tried for each budget.
         seeds: searches, each with a seed of its own; the best is taken.
         price: relative growth of the error that one multiply-add less is worth.
+        rounding: what a form may lose in single precision, as estimated from the size of its terms; 0 for no
+            limit.
         budgets: all numbers of coefficients that one search is for (the budget by default): forms that
             differ in their budget only share their searches.
     """
@@ -80,6 +82,7 @@ class Selected(Form):
     rounds: int = eqx.field(static=True)
     seeds: int = eqx.field(static=True)
     price: float = eqx.field(static=True)
+    rounding: float | None = eqx.field(static=True)
     budgets: tuple[int, ...] = eqx.field(static=True)
 
     def __init__(
@@ -92,6 +95,7 @@ class Selected(Form):
         rounds: int = 100,
         seeds: int = 1,
         price: float = 0.0,
+        rounding: float = 0.0,
         budgets: Sequence[int] = (),
     ) -> None:
         bounds = [_powers(n) for n in numerators]
@@ -111,6 +115,9 @@ class Selected(Form):
                 raise EcfitError(f"the budget is {value}, but there are only {most} candidate terms")
         if isinstance(price, bool) or not isinstance(price, int | float) or not 0.0 <= price <= 1.0:
             raise EcfitError(f"price must be in 0..1, got {price!r}")
+        if isinstance(rounding, bool) or not isinstance(rounding, int | float) or not 0.0 <= rounding < 1.0:
+            raise EcfitError(f"rounding must be in 0..1, got {rounding!r}")
+        self.rounding = float(rounding) or None
         self.budget, self.rounds, self.seeds, self.price = budget, rounds, seeds, float(price)
         self.budgets = tuple(sorted({budget, *budgets}))
 

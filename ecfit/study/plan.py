@@ -195,6 +195,7 @@ def _searches(table: str, key: str, form: Form) -> dict[str, PlannedSearch]:
     if not isinstance(form, Selected):
         return {}
     same = [SEARCH_VERSION, key, form.whole.to_dict(), form.budgets, form.rounds, form.price]
+    same += [] if form.rounding is None else [form.rounding]
     found = [PlannedSearch(table, form, seed, _hash([*same, seed])) for seed in range(form.seeds)]
     return {search.key: search for search in found}
 

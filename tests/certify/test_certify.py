@@ -208,27 +208,39 @@ def test_command(capsys: pytest.CaptureFixture, tmp_path: Path):
         assert "error: " in capsys.readouterr().err
 
 
-def test_a_composed_form_is_certified_by_its_parts(corner: Make):
+def composed(text: str, parts: dict[str, Approximation]) -> Certificate:
+    return certify(compose("c", text, parts, Contract("unknown", transport="energy")), samples=200)
+
+
+def part(text: str, *names: str) -> Approximation:
+    domain = ((0.0, 1.0),) * len(names)
+    return Approximation("p", "written", "1", names, Written(names, text), domain, Contract("unknown"))
+
+
+@pytest.mark.parametrize(
+    "second",
+    [
+        part("(1 - mu)**5", "mu"),
+        pytest.param(part("F0 + (1 - F0)*(1 - mu)**5", "mu", "F0"), marks=pytest.mark.slow),
+    ],
+    ids=["mu", "mu-F0"],
+)
+def test_a_composed_form_is_certified_by_its_parts(corner: Make, second: Approximation):
     """E1 E_spec of a corner form and a written one: each part's range bounds the product exactly."""
-    first = corner()
-    schlick = Approximation(
-        "s", "written", "1", ("mu", "F0"), Written(("mu", "F0"), "F0 + (1 - F0)*(1 - mu)**5"),
-        ((0.0, 1.0), (0.0, 1.0)), Contract("unknown"),
-    )  # fmt: skip
-    parts = {"E": first, "S": schlick}
-    found = certify(compose("r", "E*S", parts, Contract("unknown", transport="energy")), samples=200)
+    found = composed("E*S", {"E": corner(), "S": second})
     assert found.certified, found.refusals
     assert found.charted
     assert found.values is not None
     assert found.values.low >= -1e-12
     assert found.values.high == pytest.approx(1.0, abs=1e-9)
     assert [p.claim for p in found.divisors] == ["E: Q' > 0"]
-    # What may fall below 0 is clamped in the text, and proved so.
-    low = certify(
-        compose("a", "max(E - 2*S, 0)", parts, Contract("unknown", transport="energy")), samples=200
-    )
-    assert low.values is not None
-    assert low.values.low == 0.0
-    assert not certify(
-        compose("a", "E - 2*S", parts, Contract("unknown", transport="energy")), samples=200
-    ).certified
+
+
+def test_what_may_fall_below_0_is_refused_unless_its_text_clamps_it():
+    parts = {"E": part("1 - 0.7*(1 - mu)**2*F0", "mu", "F0"), "S": part("(1 - mu)**5", "mu")}
+    clamped = composed("max(E - 2*S, 0)", parts)
+    assert clamped.values is not None
+    assert clamped.values.low == 0.0
+    refused = composed("E - 2*S", parts)
+    assert not refused.certified
+    assert "below 0, by 1.7" in refused.refusals[0]

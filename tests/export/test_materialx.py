@@ -65,6 +65,7 @@ def test_the_generators_take_it(tmp_path, generator):
     context = render.GenContext(maker)
     context.registerSourceCodeSearchPath(path)
     context.registerSourceCodeSearchPath(mx.FileSearchPath(str(tmp_path)))
+    maker.registerTypeDefs(document)
     shader = maker.generate("shader", output, context)
     source = shader.getSourceCode("pixel")
     assert "mx_ecfit_E_metal(" in source

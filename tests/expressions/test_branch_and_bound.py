@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from ecfit.errors import EcfitError
 from ecfit.expressions import Node, const, parse, power, sqrt, unary, var
-from ecfit.expressions.bounds import smallest
+from ecfit.expressions.bounds import Examined, Search, smallest
 from ecfit.expressions.evaluate import value
 
 UNIT = (0.0, 1.0)
@@ -87,6 +87,21 @@ def test_enough_stops_early_and_stays_a_proof():
     assert 0.0 < found.bound <= 0.01
     tight = smallest(node, box)
     assert found.bound <= tight.bound
+
+
+def test_what_touches_enough_is_not_refined_there():
+    """A variable is >= 0: proved by the boxes that the search starts from, with no way down to x = 0."""
+    seen: list[int] = []
+
+    def examine(lows, highs):
+        seen.append(len(lows))
+        return Examined(lows[:, 0], lows, lows[:, 0], highs - lows)
+
+    search = Search({"x": UNIT}, ("x",), None)
+    assert search.run(examine, 1e-3, 0.0, 10_000).bound == 0.0
+    assert len(seen) == 1
+    assert search.run(examine, 1e-3, np.nextafter(0.0, 1.0), 10_000).bound == 0.0  # > 0 is not proved
+    assert len(seen) > 10
 
 
 def test_the_limit_leaves_a_bound_that_is_not_tight():

@@ -9,9 +9,10 @@ import pytest
 import ecfit
 from ecfit.approximation import StructuredFormula
 from ecfit.errors import EcfitError
+from ecfit.expressions import value
 from ecfit.fitting.search import Search
 from ecfit.fitting.selection import Choice, choices, first_form, front, merged, select
-from ecfit.forms.candidates import Powers
+from ecfit.forms.candidates import Powers, chosen
 
 
 def planted(mu):
@@ -95,6 +96,28 @@ def test_operations_have_a_price(curve):
     assert better in searches[0].best[3].support[0]
     assert max(errors.values()) < 1e6 * min(errors.values())
     assert 1 in searches[1].best[3].support[0]
+
+
+def test_a_form_that_loses_too_much_in_single_precision_counts_as_worse(problem):
+    """The same descent with and without a limit; the estimate covers what single precision loses."""
+    free = Search(problem.descent)
+    free.grow(first_form(free), 5, np.random.default_rng(0))
+    found = free.best[5]
+    lost = problem.descent.rounding(found.chosen, found.leading, found.coefficients)
+    formula = StructuredFormula(
+        chosen(problem.structure, found.chosen, found.leading), np.asarray(found.coefficients)
+    )
+    variable = problem.table.axes[0].name
+    points = {variable: np.random.default_rng(1).uniform(0.05, 1.0, 2000).astype(np.float32)}
+    wide = {variable: points[variable].astype(np.float64)}
+    expression = formula.expression((variable,))
+    measured = np.max(np.abs(value(expression, points).astype(np.float64) - value(expression, wide)))
+    assert 0.1 * measured < lost < 10.0 * measured
+    for limit, factor in ((2.0 * lost, 1.0), (lost / 4.0, 2.0)):
+        held = Search(problem.descent, rounding=limit)
+        again = held.fit(found.chosen, found.leading, found.coefficients)
+        assert again is not None
+        assert again.objective / again.rms == pytest.approx(factor * found.objective / found.rms, rel=0.05)
 
 
 def test_what_was_found_reads_back(problem, searches):

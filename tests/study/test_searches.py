@@ -102,6 +102,7 @@ def test_whatever_changes_a_search_changes_its_key(folder):
     for old, new in (
         ("rounds = 2", "rounds = 3"),
         ("rounds = 2", "rounds = 2\nprice = 0.01"),
+        ("rounds = 2", "rounds = 2\nrounding = 1e-6"),
         ("[3, 4]", "[3, 5]"),
         ("lowest_order = 3, highest_order = 4", "lowest_order = 3, highest_order = 5"),
         ("count = 6", "count = 7"),
