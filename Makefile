@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CONFIG ?= configs/quick.toml
 
-.PHONY: study test test-all lint types benchmark constraints system clean
+.PHONY: study test test-all lint types benchmark constraints system shaders slang clean
 
 study: $(VENV)/.core
 	$(BIN)/ecfit run $(CONFIG)
@@ -19,10 +19,10 @@ PYTEST := $(ONE_THREAD) $(BIN)/pytest -n 2 --dist loadfile
 # a user does. XLA stops at flags that it does not know: after an update of jaxlib, look here first.
 QUICK_COMPILE := XLA_FLAGS="--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
 
-test: $(VENV)/.test
+test: $(VENV)/.test shaders
 	$(QUICK_COMPILE) $(PYTEST)
 
-test-all: $(VENV)/.test $(VENV)/.browser
+test-all: $(VENV)/.test $(VENV)/.browser shaders
 	$(PYTEST) -m ""
 
 lint: $(VENV)/.dev
@@ -42,11 +42,25 @@ benchmark: $(VENV)/.bench
 	$(BIN)/python benchmarks/choosing.py --cache .choosing --figures .choosing
 
 constraints: $(VENV)/.uv
-	$(BIN)/uv pip compile --universal --no-header --no-annotate --extra test --extra dev --extra bench --extra browser pyproject.toml -o constraints.txt
+	$(BIN)/uv pip compile --universal --no-header --no-annotate --extra test --extra dev --extra bench --extra shaders --extra browser pyproject.toml -o constraints.txt
 
-# System packages for the tests that compile or draw with foreign tools: they skip without.
+# System packages for the tests that compile and run shaders, or open a browser; they skip without.
 system:
-	apt-get install -y --no-install-recommends chromium chromium-driver
+	@.ci/system
+
+# What compiles and runs shaders; where a platform has no such package, its tests are skipped.
+shaders: $(VENV)/.shaders $(VENV)/.slang
+
+$(VENV)/.shaders: $(VENV)/.core
+	$(BIN)/uv pip install --quiet --python $(BIN)/python -c constraints.txt -e '.[shaders]' \
+	  && touch $@ || echo "not all of 'ecfit[shaders]' is there for this platform: its tests are skipped"
+
+# The Slang compiler, 34 MB. Alone: what its package depends on is 5.6 GB that nothing here uses.
+slang: $(VENV)/.slang
+
+$(VENV)/.slang: $(VENV)/.uv
+	$(BIN)/uv pip install --quiet --python $(BIN)/python --no-deps slangtorch==1.3.22 \
+	  && touch $@ || echo "no Slang compiler for this platform: its tests are skipped"
 
 $(VENV)/.uv:
 	$(PYTHON) -c 'import sys; sys.exit("ecfit needs Python 3.11 or newer: make PYTHON=python3.11" if sys.version_info < (3, 11) else 0)'

@@ -471,6 +471,39 @@ def verify(folder: Path, *, entries: int = 1024, refits: int = 1, seed: int = 1)
 
 
 @app.command
+def check_export(
+    *fits: str,
+    tool: Annotated[
+        tuple[str, ...], Parameter(help="Tool to use; repeatable. By default all there are.")
+    ] = (),
+    points: int = 4096,
+) -> None:
+    """Compile and run exported code with the compilers and devices of this machine, and compare with NumPy.
+
+    Exit code 1 where a value is not finite, or farther from the exact one than twice NumPy's float32.
+
+    Parameters
+    ----------
+    fits
+        Names of fits or their JSON files; by default all shipped fits.
+    points
+        How many in the closed domain of each, corners and edges included.
+    """
+    from ecfit.approximation import find, shipped
+    from ecfit.shaders import TOOLS, check_all
+    from ecfit.shaders import tool as named
+
+    found = [find(fit) for fit in fits or shipped()]
+    tools = [named(t) for t in tool] or list(TOOLS.values())
+    failed = False
+    for report in check_all(found, tools, points):
+        print(report.describe(), flush=True)
+        failed |= not report.passes
+    if failed:
+        raise SystemExit(1)
+
+
+@app.command
 def ship(config: Path, *, output: Path, results: Path = Path("results"), samples: int = 20_000) -> None:
     """Certify the named fits of a finished study and write those that are granted, one file each.
 

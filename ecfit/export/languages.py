@@ -96,7 +96,8 @@ _GUARDED = "#ifndef {guard}\n#define {guard}\n\n#include <math.h>\n"
 LANGUAGES: Mapping[str, Language] = MappingProxyType({
     found.name: found
     for found in (
-        Language("glsl", "GLSL", "glsl", colour="vec3"),
+        # Not const: in ESSL 3.00 that is for constant expressions only.
+        Language("glsl", "GLSL", "glsl", declare="float {name} = {value};", colour="vec3"),
         Language("hlsl", "HLSL", "hlsl", suffix="f"),
         Language(
             "wgsl", "WGSL", "wgsl", "fn {name}({arguments}) -> {result} {{", "{name}: {type}",

@@ -46,8 +46,17 @@ def exact(node: Node, at: Mapping[str, np.ndarray]) -> np.ndarray:
     return np.broadcast_to(found, next(iter(wide.values())).shape)
 
 
-def ulps(found: np.ndarray, truth: np.ndarray) -> np.ndarray:
-    """|found - truth| in units of the last place of truth in single precision; 0 where both are 0."""
-    # A normal number's: what is below has fewer digits, and hardware may flush it to 0.
-    place = np.spacing(np.maximum(np.abs(truth), np.finfo(np.float32).tiny).astype(np.float32))
-    return np.abs(found.astype(np.float64) - truth) / place
+def ulps(found: np.ndarray, truth: np.ndarray, floor: float = float(np.finfo(np.float32).tiny)) -> np.ndarray:
+    """|found - truth| in units of the last place of max(|truth|, floor) in single precision.
+
+    0 where both are equal or NaN; infinite where else one is NaN.
+
+    Args:
+        floor: by default the least normal number: what is below has fewer digits, and hardware may flush it
+            to 0.
+    """
+    place = np.spacing(np.maximum(np.abs(truth), floor).astype(np.float32))
+    same = (found == truth) | (np.isnan(found) & np.isnan(truth))
+    with np.errstate(invalid="ignore"):
+        apart = np.abs(found.astype(np.float64) - truth) / place
+    return np.where(same, 0.0, np.where(np.isnan(apart), np.inf, apart))
