@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from ecfit.approximation import lookup_table as lookup_table
     from ecfit.approximation import published as published
     from ecfit.approximation import shipped as shipped
+    from ecfit.auditing import Audit as Audit
+    from ecfit.auditing import audit as audit
     from ecfit.bsdf import BSDF as BSDF
     from ecfit.bsdf import model as model
     from ecfit.bsdf import models as models
@@ -44,6 +46,8 @@ _HOME = {
     "lookup_table": "ecfit.approximation",
     "published": "ecfit.approximation",
     "shipped": "ecfit.approximation",
+    "Audit": "ecfit.auditing",
+    "audit": "ecfit.auditing",
     "BSDF": "ecfit.bsdf",
     "model": "ecfit.bsdf",
     "models": "ecfit.bsdf",
