@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ecfit.approximation import shipped as shipped
     from ecfit.auditing import Audit as Audit
     from ecfit.auditing import audit as audit
+    from ecfit.baking import bake as bake
     from ecfit.bsdf import BSDF as BSDF
     from ecfit.bsdf import model as model
     from ecfit.bsdf import models as models
@@ -38,8 +39,10 @@ if TYPE_CHECKING:
     from ecfit.study import Study as Study
     from ecfit.study import run as run
     from ecfit.tables import Table as Table
+    from ecfit.tables import read_layout as read_layout
     from ecfit.tables import read_table as read_table
     from ecfit.tables import tabulate as tabulate
+    from ecfit.tables import write_table as write_table
 
 _HOME = {
     "Approximation": "ecfit.approximation",
@@ -48,6 +51,7 @@ _HOME = {
     "shipped": "ecfit.approximation",
     "Audit": "ecfit.auditing",
     "audit": "ecfit.auditing",
+    "bake": "ecfit.baking",
     "BSDF": "ecfit.bsdf",
     "model": "ecfit.bsdf",
     "models": "ecfit.bsdf",
@@ -73,8 +77,10 @@ _HOME = {
     "Study": "ecfit.study",
     "run": "ecfit.study",
     "Table": "ecfit.tables",
+    "read_layout": "ecfit.tables",
     "read_table": "ecfit.tables",
     "tabulate": "ecfit.tables",
+    "write_table": "ecfit.tables",
 }
 
 __all__ = [*_HOME, "__version__"]  # pyright: ignore[reportUnsupportedDunderAll]

@@ -3,6 +3,8 @@
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+import numpy as np
+
 from ecfit.approximation import Approximation
 from ecfit.auditing.drift import Drift, at, drift_of
 from ecfit.auditing.hypotheses import SLOTS, Hypothesis, hypotheses
@@ -24,6 +26,7 @@ def audit(
     subject: Table | Approximation | str | Path,
     *,
     contract: Contract | None = None,
+    name: str | None = None,
     samples: int = 256,
     tolerance: float | None = None,
     seed: int = 1,
@@ -32,17 +35,18 @@ def audit(
     """Is a table or a formula what its contract says, and if not, what went wrong?
 
     Args:
-        subject: a table, an approximation, a table file of ours (NPZ), the JSON file of a fit, or the name of a
-            shipped or published fit.
+        subject: a table, an approximation, a table file of ours (NPZ), the JSON file of a fit, or the name of
+            a shipped or published fit.
         contract: what it is claimed to be, in the place of its own contract.
+        name: what the subject is called in the report, where it has no name of its own.
         samples: entries that are integrated again; all of a small table.
         tolerance: largest difference from the integral that is allowed; by default what the subject states of
             its errors, else 1e-3 for a table and 5e-2 for a formula.
         seed: of the choice of entries.
         told: called with the name of each mistake that is tried.
 
-    Returns an `Audit`: `.ok`, `.likely`, `.describe()`. Raises `EcfitError` for a subject that cannot be read,
-    for a contract without a registered model, and for coordinates outside the model's domain.
+    Returns an `Audit`: `.ok`, `.likely`, `.describe()`. Raises `EcfitError` for a subject that cannot be
+    read, for a contract without a registered model, and for coordinates outside the model's domain.
     """
     if isinstance(samples, bool) or not isinstance(samples, int) or samples < 8:
         raise EcfitError(f"samples must be 8 or more, got {samples!r}")
@@ -61,7 +65,7 @@ def audit(
     likely = _likely(first, trials, found.tolerance)
     drift = first if likely is None else likely.drift
     return Audit(
-        name=found.name,
+        name=name or found.name,
         claimed=claimed,
         drift=first,
         tolerance=found.tolerance,
@@ -76,13 +80,13 @@ class _Search:
     """Mistakes, one and then two at a time, until one explains the numbers."""
 
     def __init__(
-        self, claimed: Reading, entries: object, tolerance: float, told: Callable[[str], None] | None
+        self, claimed: Reading, entries: np.ndarray, tolerance: float, told: Callable[[str], None] | None
     ) -> None:
         self.claimed, self.entries, self.tolerance, self.told = claimed, entries, tolerance, told
         self.trials: list[Trial] = []
 
     def run(self) -> list[Trial]:
-        """All trials made. The simplest explanation ends the search: cheap mistakes, then dear, then pairs."""
+        """All trials made. The simplest explanation ends the search: cheap ones, then dear, then pairs."""
         known = hypotheses(self.claimed)
         cheap = [h for h in known if h.same_integrals]
         dear = [h for h in known if not h.same_integrals]
@@ -110,7 +114,7 @@ class _Search:
         try:
             for hypothesis in ordered:
                 reading = hypothesis.change(reading)
-            drift = drift_of(reading, self.entries, self.tolerance)  # type: ignore[arg-type]
+            drift = drift_of(reading, self.entries, self.tolerance)
         except EcfitError:  # not a reading: coordinates outside the model's domain, a missing parameter
             return
         if drift.entries.size >= 2:

@@ -125,7 +125,7 @@ def _spacings(reading: Reading) -> Iterator[Hypothesis]:
     both = {
         "texel-centre": (
             "texel-centre table read at edges",
-            "at texel centres (i + 0.5) / N, no node at an end",
+            "at texel centres (i + 0.5) / N, not at the ends",
         ),
         "uniform": ("edge table read at texel centres", "at i / (N - 1), both ends included"),
     }

@@ -28,7 +28,7 @@ _OWN = 1e-6
 _OTHER_SAMPLE = 1.5
 # Values this far outside [0, 1] are no error of a fit, but a pole.
 _FAR = 0.5
-# Nodes an axis where a formula is sampled, by number of variables; and of the grid that is searched for poles.
+# Nodes an axis where a formula is sampled, by number of variables; and of the grid searched for poles.
 _NODES = {1: 64, 2: 16, 3: 8}
 _SEARCHED = {1: 2049, 2: 129, 3: 33}
 # Nodes keep this part of the range from its ends: formulas are made for r > 0.02 or so.
@@ -182,7 +182,7 @@ def _poles(approximation: Approximation) -> list[Finding]:
         bad = np.flatnonzero(test(values).ravel())
         if bad.size:
             index = np.unravel_index(bad[np.argmax(np.abs(values.ravel()[bad]))], shape)
-            found = {v: g[i] for v, g, i in zip(approximation.variables, grid, index, strict=True)}
+            found = {v: float(g[i]) for v, g, i in zip(approximation.variables, grid, index, strict=True)}
             return [Finding(name, f"{text.format(value=values[index])} at {at(found)}")]
     return []
 

@@ -91,10 +91,9 @@ class Audit:
         out.append(f"  compared: {self.drift.entries.size} {what}{left}")
         if self.trials:
             shown = self.trials[:_SHOWN]
-            width = max(len(t.name) for t in shown)
-            out.append(
-                f"  other readings ({len(self.trials)} tried){'':{max(0, width - 19)}}   mean drift    largest"
-            )
+            title = f"other readings ({len(self.trials)} tried)"
+            width = max(len(title) - 2, *(len(t.name) for t in shown))
+            out.append(f"  {title:<{width + 2}}   mean drift    largest")
             out += [f"    {t.name:<{width}}   {t.drift.mean:10.2g} {t.drift.largest:10.2g}" for t in shown]
         return out
 
