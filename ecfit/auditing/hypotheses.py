@@ -39,7 +39,9 @@ class Hypothesis:
 
 
 # In this order mistakes are undone: first how the file was read, then what its coordinates and values mean.
-SLOTS = ("order", "direction", "spacing", "roughness", "coordinate", "stored", "scale", "contract")
+SLOTS = (
+    "order", "direction", "spacing", "lowest", "roughness", "coordinate", "stored", "scale", "contract",
+)  # fmt: skip
 
 Forward = Callable[[np.ndarray], np.ndarray]
 
@@ -55,6 +57,9 @@ _RELABELS: tuple[tuple[str, str, str, str, Forward], ...] = (
     ("coordinate", "mu", "theta / 90 degrees", "mu", lambda x: np.cos(0.5 * np.pi * x)),
     ("coordinate", "mu", "sin(theta)", "mu", lambda x: np.sqrt(np.maximum(1.0 - x * x, 0.0))),
 )
+# Where generators keep coordinates whose node is 0: cosines of Cycles, OSL and others, and the clamps of
+# Sforza & Pellacini 2022 (mu 0.02, r 0.035) and of mobile renderers.
+_LOWEST = {"mu": (1e-6, 1e-4, 1e-3, 0.01, 0.02), "r": (0.01, 0.035, 0.045, 0.089)}
 # Whole numbers that stand for 1.
 _SCALES = (100.0, 255.0, 65535.0)
 # Options that change what is integrated and that a contract may get wrong, with the words for it. Fresnel
@@ -73,7 +78,7 @@ _EVEN = 1e-4
 
 def hypotheses(reading: Reading) -> list[Hypothesis]:
     """All mistakes that could have been made with a reading, cheap ones (same integrals) first."""
-    cheap = (_orders, _directions, _spacings, _relabels, _stored, _scales)
+    cheap = (_orders, _directions, _spacings, _lowest, _relabels, _stored, _scales)
     return [h for find in (*cheap, _options, _transports, _lobes, _quantities) for h in find(reading)]
 
 
@@ -157,6 +162,27 @@ def _respaced(axis: Axis, spacing: str) -> Axis | None:
     if found == spacing or found not in ("uniform", "texel-centre") or spacing not in SPACINGS:
         return None
     return Axis.spaced(axis.name, count, low, high, spacing, through)
+
+
+def _lowest(reading: Reading) -> Iterator[Hypothesis]:
+    if reading.formula:
+        return
+    for name, ends in _LOWEST.items():
+        axis = reading.axis(name)
+        if axis is None or axis.nodes[0] != 0.0:
+            continue
+        for low in ends:
+            if low >= axis.nodes[-1]:
+                continue
+
+            def change(r: Reading, name: str = name, low: float = low) -> Reading:
+                axis = r.axis(name)
+                if axis is None:
+                    return r
+                return r.with_axis(axis, Axis(name, np.maximum(axis.nodes, low), axis.nominal))
+
+            text = f"where the node of {name} is 0, the integral was taken at {low:g}"
+            yield Hypothesis(f"{name} kept at {low:g} or more", "lowest", text, change)
 
 
 def _relabels(reading: Reading) -> Iterator[Hypothesis]:

@@ -4,8 +4,8 @@ What stands here was read in the consumer's own source, which `source` names; wh
 `unsure`. Other people's formats change: `ecfit check FILE --layout NAME` tells whether one still fits.
 """
 
-from dataclasses import dataclass
-from types import MappingProxyType
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -72,7 +72,7 @@ class Piece:
     """
 
     name: str = ""
-    options: MappingProxyType[str, str] = MappingProxyType({})
+    options: Mapping[str, str] = field(default_factory=dict)
     backwards: tuple[str, ...] = ()
 
 
@@ -107,7 +107,7 @@ class Layout:
     pieces: tuple[Piece, ...] = (Piece(),)
     backwards: tuple[str, ...] = ()
     model: str = "unknown"
-    options: MappingProxyType[str, str] = MappingProxyType({})
+    options: Mapping[str, str] = field(default_factory=dict)
 
     def order(self, piece: Piece) -> list[str]:
         """Names of the axes as `ecfit.read_table` takes them: "-mu" runs backwards."""
@@ -148,11 +148,7 @@ class Layout:
         return out + ([f"  not certain: {self.unsure}"] if self.unsure else [])
 
 
-def _words(**options: str) -> MappingProxyType[str, str]:
-    return MappingProxyType(options)
-
-
-_CORRELATED = _words(masking="height-correlated")
+_CORRELATED = dict(masking="height-correlated")
 _RG = (Channel("R", "schlick-a"), Channel("G", "schlick-b"))
 # Cycles integrates at 1e-4 where a node is 0, and at z = 0.99 where it is 1.
 _CYCLES = (1e-4, 1.0)
@@ -199,7 +195,7 @@ LAYOUTS: dict[str, Layout] = {
             "as cycles; z = sqrt(|ior - 1| / (ior + 1)) = F0^(1/4)",
             "that its refracted samples weigh as energy (no eta^2 lost) is read from the sampler's weights",
             model="dielectric",
-            options=_words(masking="height-correlated", side="entering"),
+            options=dict(masking="height-correlated", side="entering"),
         ),
         Layout(
             "cycles-glass-inv",
@@ -212,7 +208,7 @@ LAYOUTS: dict[str, Layout] = {
             "as cycles-glass; F0 is that of the denser side",
             "as cycles-glass",
             model="dielectric",
-            options=_words(masking="height-correlated", side="leaving"),
+            options=dict(masking="height-correlated", side="leaving"),
         ),
         Layout(
             "osl",
@@ -237,7 +233,7 @@ LAYOUTS: dict[str, Layout] = {
             "that its sample weights are energies is read from the sampler; there alpha is at least 1e-5",
             stored="1-E",
             model="dielectric",
-            options=_words(masking="height-correlated", side="entering"),
+            options=dict(masking="height-correlated", side="entering"),
         ),
         Layout(
             "osl-dielectric-back",
@@ -251,7 +247,7 @@ LAYOUTS: dict[str, Layout] = {
             "as osl-dielectric-front",
             stored="1-E",
             model="dielectric",
-            options=_words(masking="height-correlated", side="leaving"),
+            options=dict(masking="height-correlated", side="leaving"),
         ),
         Layout(
             "openpbr-bsdf",
@@ -286,8 +282,8 @@ LAYOUTS: dict[str, Layout] = {
             stored="1-E",
             number="uint16",
             pieces=(
-                Piece("leaving", _words(side="leaving"), ("ior",)),
-                Piece("entering", _words(side="entering")),
+                Piece("leaving", dict(side="leaving"), ("ior",)),
+                Piece("entering", dict(side="entering")),
             ),
             model="dielectric",
             options=_CORRELATED,
