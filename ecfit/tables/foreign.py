@@ -14,6 +14,7 @@ from ecfit.errors import EcfitError, unknown
 from ecfit.quantities import quantity
 from ecfit.tables.given import given_axes
 from ecfit.tables.layout import arranged
+from ecfit.tables.numbers import number as number_of
 from ecfit.tables.read_csv import read_csv
 from ecfit.tables.read_exr import read_exr
 from ecfit.tables.read_header import read_header
@@ -52,8 +53,8 @@ def read_table(
             file with a header (`value` by default), the name of an array in C source, or one of several
             numbers that follow each other entry by entry (R, G, 0, 1).
         scale: the stored number that stands for 1: 65535 for 16-bit tables, 100 for per cent.
-        number: type of the numbers of a raw file ("uint16", "float16", ...), little-endian; in C source
-            "float16" means that whole numbers are the bits of halves.
+        number: type of the numbers of a raw file ("uint16", "float16", ...), little-endian; decimals of text
+            are rounded to it; in C source "float16" means that whole numbers are the bits of halves.
         part: which of how many tables of these axes that follow each other in the file.
         finite: whether NaN and infinity are refused.
 
@@ -103,10 +104,10 @@ def _values(
     if kind == ".csv":
         if parts > 1:
             raise EcfitError("a CSV file holds one table: give each part a file")
-        return read_csv(path, axes, order, channel)
+        return _rounded(read_csv(path, axes, order, channel), number)
     count = Grid(tuple(axes)).size
     if kind in SOURCE:
-        array = read_header(path, parts * count, channel, number)
+        array = _rounded(read_header(path, parts * count, channel, number), number)
     elif kind in RAW:
         array = read_raw(path, parts * count, channel, number)
     else:
@@ -114,6 +115,14 @@ def _values(
     if parts > 1:
         array = array.ravel()[which * count : (which + 1) * count]
     return arranged(array, axes, order, f"'{path}'")
+
+
+def _rounded(array: np.ndarray, number: str | None) -> np.ndarray:
+    """Decimals as the type that they stand for, as a compiler takes them."""
+    if number is None or number_of(number).whole:
+        return array
+    with np.errstate(over="ignore"):
+        return array.astype(number_of(number).dtype).astype(np.float64)
 
 
 def claim(

@@ -35,7 +35,7 @@ def read_header(path: Path, count: int, channel: str | None, kind: str | None) -
         wanted, within = "", channel
     arrays = {m.group(1): m.end() for m in _ARRAY.finditer(text)}
     if not arrays and (plain := _LIST.search(text)):
-        arrays = {"": plain.end() - 1}
+        arrays = {"": text.index("[", plain.start())}
     if not arrays:
         body = text if _REST.fullmatch(_NUMBER.sub("", text)) else ""
         if not body.strip():
