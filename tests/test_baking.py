@@ -86,7 +86,7 @@ def test_what_cannot_be_baked_is_told(sources, settings, words):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [n for n, plan in LAYOUTS.items() if plan.axes and plan.model != "unknown"])
 def test_every_layout_is_baked_and_passes_its_audit(name, tmp_path):
-    """The whole circle: integrate on the consumer's nodes, write, read by the layout's name, integrate again."""
+    """The whole circle: integrate on its nodes, write, read by the layout's name, integrate again."""
     plan = LAYOUTS[name]
     baked = bake(plan.model, name, axes={n.name: 4 for n in plan.axes}, tolerance=1e-5)
     path = tmp_path / f"t{plan.ending}"
