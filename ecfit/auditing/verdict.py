@@ -108,4 +108,6 @@ class Audit:
             ]
         if self.trials:
             return ["  likely: none of the mistakes that were tried: no other reading is much nearer"]
+        if not self.within and not self.findings:
+            return ["  likely: no mistake of convention: only few points are beyond the tolerance"]
         return []

@@ -212,10 +212,13 @@ def test_a_pole_of_a_coefficient_file(tmp_path):
 
 def test_a_pole_in_a_table():
     mu = Axis.spaced("mu", 64)
-    values = with_pole(20.2 / 63.0, 0.2 / 63.0).on_grid([mu.nodes])
-    values[21] = -values[20]  # a renderer's table has a sign change there, not an infinity
-    table = Table.from_array(values, {"mu": mu}, Contract("lambertian", parameters={"rho": 0.7}))
-    assert "a pole" in audit(table).faults
+    contract = Contract("lambertian", parameters={"rho": 0.7})
+    values = with_pole(17.5 / 63.0, 2.0 / 63.0).on_grid([mu.nodes])  # infinite between nodes 19 and 20
+    (finding,) = subject_of(Table.from_array(values, {"mu": mu}, contract), None, None).findings
+    assert finding.name == "a pole"
+    assert "from 3.5 to -2.1 along mu" in finding.sentence
+    steep = np.linspace(-0.4, 1.4, 64)  # bad, but no pole
+    assert subject_of(Table.from_array(steep, {"mu": mu}, contract), None, None).findings == ()
 
 
 @pytest.mark.slow
@@ -235,9 +238,11 @@ def test_the_tolerance_is_the_subject_s_own_or_as_asked():
     assert subject_of("kulla-conty-2017", None, None).tolerance == 5e-2
     assert subject_of("conductor-10", None, None).tolerance < 5e-3
     off = given(values - 2e-3, "r", "mu", contract=contract)
-    assert not audit(off, tolerance=1.9e-3).within
-    assert audit(off, tolerance=2.2e-3).ok
-    assert audit(off, tolerance=2.2e-3).why == "as asked for"
+    found = audit(off, tolerance=2.2e-3)
+    assert found.ok
+    assert found.drift.largest == pytest.approx(2e-3, abs=2e-4)
+    assert found.why == "as asked for"
+    assert not replace(found, tolerance=1.5e-3).ok
 
 
 @pytest.mark.parametrize(
