@@ -374,12 +374,13 @@ def check(
     """
     from ecfit.auditing import audit
     from ecfit.study.plugins import load_plugins
+    from ecfit.tables.foreign import FORMATS
 
     load_plugins(plugin, Path())
     contract = _claim(model, option, quantity, lobe, transport, exponent)
     what: Any = subject
     path = Path(subject)
-    if path.suffix.lower() not in ("", ".npz", ".json") and (path.exists() or "/" in subject or axis):
+    if path.suffix.lower() in FORMATS:
         how = _Foreign(axis, layout, piece, number, spacing, stored, scale, order, channel)
         what = _foreign(path, how, contract, finite=False)
     done = audit(
