@@ -340,7 +340,7 @@ LAYOUTS: dict[str, Layout] = {
             "mitsuba",
             "an image for Mitsuba's bitmap texture (raw, bilinear, clamp): u = mu, v = r",
             (Nodes("r", 64, "texel-centre"), Nodes("mu", 64, "texel-centre")),
-            "Mitsuba 3, textures/bitmap: texel centres; measured: docs/tables.md",
+            "measured with Mitsuba 3.9.1 (docs/tables.md): texel centres, first row at the low end of v",
             ending=".exr",
         ),
         Layout(
