@@ -307,7 +307,7 @@ def test_a_dielectric_without_eta_squared(side):
     [
         ("conductor", {"r": 8, "mu": 8}, {"quantity": "schlick-b"}),
         ("conductor", {"alpha": 8}, {"quantity": "average-albedo"}),
-        ("eon", {"r": 6, "mu": 6}, {}),
+        ("eon", {"diffuse_roughness": 6, "mu": 6}, {}),
         ("burley", {"r": 6, "mu": 6}, {}),
         ("thin-dielectric", {"r": 5, "mu": 5}, {}),
         ("dielectric", {"F0": [0.02, 0.1, 0.3], "r": 4, "mu": 4}, {"lobe": "transmission"}),
