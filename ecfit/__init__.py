@@ -11,6 +11,9 @@ if TYPE_CHECKING:
     from ecfit.approximation import lookup_table as lookup_table
     from ecfit.approximation import published as published
     from ecfit.approximation import shipped as shipped
+    from ecfit.auditing import Audit as Audit
+    from ecfit.auditing import audit as audit
+    from ecfit.baking import bake as bake
     from ecfit.bsdf import BSDF as BSDF
     from ecfit.bsdf import model as model
     from ecfit.bsdf import models as models
@@ -37,14 +40,19 @@ if TYPE_CHECKING:
     from ecfit.study import run as run
     from ecfit.study.verify import verify as verify
     from ecfit.tables import Table as Table
+    from ecfit.tables import read_layout as read_layout
     from ecfit.tables import read_table as read_table
     from ecfit.tables import tabulate as tabulate
+    from ecfit.tables import write_table as write_table
 
 _HOME = {
     "Approximation": "ecfit.approximation",
     "lookup_table": "ecfit.approximation",
     "published": "ecfit.approximation",
     "shipped": "ecfit.approximation",
+    "Audit": "ecfit.auditing",
+    "audit": "ecfit.auditing",
+    "bake": "ecfit.baking",
     "BSDF": "ecfit.bsdf",
     "model": "ecfit.bsdf",
     "models": "ecfit.bsdf",
@@ -71,8 +79,10 @@ _HOME = {
     "run": "ecfit.study",
     "verify": "ecfit.study.verify",
     "Table": "ecfit.tables",
+    "read_layout": "ecfit.tables",
     "read_table": "ecfit.tables",
     "tabulate": "ecfit.tables",
+    "write_table": "ecfit.tables",
 }
 
 __all__ = [*_HOME, "__version__"]  # pyright: ignore[reportUnsupportedDunderAll]

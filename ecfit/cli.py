@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any, Literal, NoReturn
+from typing import Annotated, Any, Literal, NamedTuple, NoReturn
 
 from cyclopts import App, CycloptsError, Parameter
 
@@ -37,6 +37,10 @@ Axes = Annotated[
     Parameter(
         name="--axis", help="name=count, or name=low:high:count, in the order of the dimensions; repeatable."
     ),
+]
+GivenAxes = Annotated[
+    tuple[str, ...],
+    Parameter(name="--axis", help="name=count (0 to 1), name=low:high:count or name=x,x,...; repeatable."),
 ]
 Options = Annotated[
     tuple[str, ...], Parameter(name="--option", help="A setting of the model, name=value; repeatable.")
@@ -203,18 +207,16 @@ def import_(
     file: Path,
     *,
     output: Path,
-    axis: Annotated[
-        tuple[str, ...],
-        Parameter(
-            name="--axis", help="name=count (0 to 1), name=low:high:count or name=x,x,...; repeatable."
-        ),
-    ],
+    axis: GivenAxes = (),
+    layout: str | None = None,
+    piece: str | None = None,
+    number: str | None = None,
     spacing: Literal["uniform", "gauss", "chebyshev", "texel-centre", "clamped"] = "uniform",
     stored: Literal["E", "1-E"] = "E",
     scale: float = 1.0,
     order: str | None = None,
     channel: str | None = None,
-    model: str = "unknown",
+    model: str | None = None,
     option: Options = (),
     plugin: Plugins = (),
     quantity: str = "directional-albedo",
@@ -222,14 +224,20 @@ def import_(
     transport: str = "energy",
     exponent: int | None = None,
 ) -> None:
-    """Read somebody's own table (CSV, NPY or EXR) and save it as ours (NPZ), to be fitted like ours.
+    """Read somebody's own table (CSV, NPY, EXR, C, raw) and save it as ours (NPZ), to be fitted like ours.
 
     Parameters
     ----------
     file
-        The file; nothing in it is executed.
+        The file; nothing in it is executed. One of `ecfit export-table` (EXR, CSV, C) says itself what it is.
     output
         File to write.
+    layout
+        A consumer's layout in the place of what follows, `ecfit list` shows them; --axis then gives counts.
+    piece
+        Of a layout with several tables that follow each other.
+    number
+        Type of the numbers of a raw file: float64, float32, float16, uint16, uint8.
     spacing
         Of the nodes of all axes: uniform has nodes at both ends, texel-centre at (i + 0.5) / N.
     stored
@@ -253,16 +261,181 @@ def import_(
         Of schlick-a and schlick-b; 5 by default.
     """
     from ecfit.study.plugins import load_plugins
-    from ecfit.tables import claim, read_table
 
     load_plugins(plugin, Path())
-    settings = {} if exponent is None else {"exponent": exponent}
-    contract = claim(model, _settings(option), quantity, lobe, transport, settings)
-    names = None if order is None else [name.strip() for name in order.split(",")]
-    axes = _given_axes(axis, spacing)
-    done = read_table(file, axes, contract, stored, names, channel=channel, scale=scale)
+    contract = _claim(model, option, quantity, lobe, transport, exponent)
+    how = _Foreign(axis, layout, piece, number, spacing, stored, scale, order, channel)
+    done = _foreign(file, how, contract)
     done.save(output)
     print("\n".join([*done.describe(), f"written: {output}"]))
+
+
+@app.command(name="export-table")
+def export_table(
+    source: Annotated[tuple[str, ...], Parameter(help="A model, or tables and fits, one a channel.")],
+    /,
+    *,
+    output: Path,
+    layout: str = "plain",
+    axis: Axes = (),
+    option: Options = (),
+    plugin: Plugins = (),
+    quantity: str = "directional-albedo",
+    lobe: str = "all",
+    transport: str = "energy",
+    tolerance: float = 1e-7,
+    number: str | None = None,
+    stored: Literal["E", "1-E"] | None = None,
+    order: str | None = None,
+    spacing: Literal["uniform", "gauss", "chebyshev", "texel-centre", "clamped"] = "uniform",
+    name: str = "ecfit_table",
+    parts: bool = False,
+) -> None:
+    """Write a table as a renderer stores it: EXR, NPY, CSV, C source (.h) or raw numbers (.bin).
+
+    Parameters
+    ----------
+    source
+        A registered model, which is integrated on the layout's nodes; or a table (NPZ), a published or
+        shipped fit or the JSON file of one, for each channel of the layout.
+    output
+        File to write; its ending says the format.
+    layout
+        How the consumer stores it; `ecfit list` shows the layouts. plain has the axes given here.
+    quantity
+        What a model is integrated to, where the layout leaves it open.
+    lobe
+        all, reflection or transmission.
+    transport
+        energy or radiance.
+    tolerance
+        Absolute error to reach in every entry.
+    number
+        float64, float32, float16, uint16 or uint8, in the place of the layout's.
+    stored
+        E or 1-E, in the place of the layout's.
+    order
+        Of plain: axes as they are to be stored, the one that varies fastest last; -mu: from last to first.
+    spacing
+        Of the nodes of plain axes.
+    name
+        Of the array in C source.
+    parts
+        In EXR, put slices of 3D tables into parts instead of below each other.
+    """
+    from ecfit.baking import bake
+    from ecfit.study.plugins import load_plugins
+
+    load_plugins(plugin, Path())
+    done = bake(
+        source,
+        layout,
+        axes=_given_axes(axis, spacing) if layout == "plain" else _counts(axis),
+        options=_settings(option),
+        transport=transport,
+        lobe=lobe,
+        quantity=quantity,
+        tolerance=tolerance,
+    )
+    names = None if order is None else [part.strip() for part in order.split(",")]
+    written = done.save(output, number=number, stored=stored, order=names, name=name, parts=parts)
+    for remark in done.remarks():
+        _say(f"WARNING: {remark}")
+    for table in done.tables:
+        print(", ".join(f"{label} {value}" for label, value in table.contract.describe()[:-2]))
+    print("\n".join(written.describe()))
+
+
+@app.command
+def check(
+    subject: str,
+    *,
+    axis: GivenAxes = (),
+    layout: str | None = None,
+    piece: str | None = None,
+    number: str | None = None,
+    spacing: Literal["uniform", "gauss", "chebyshev", "texel-centre", "clamped"] = "uniform",
+    stored: Literal["E", "1-E"] = "E",
+    scale: float = 1.0,
+    order: str | None = None,
+    channel: str | None = None,
+    model: str | None = None,
+    option: Options = (),
+    plugin: Plugins = (),
+    quantity: str = "directional-albedo",
+    lobe: str = "all",
+    transport: str = "energy",
+    exponent: int | None = None,
+    samples: int = 256,
+    seed: int = 1,
+    tolerance: float | None = None,
+) -> None:
+    """Audit a table or a fit: integrate entries again, and name the mistake of convention where they differ.
+
+    Exits with 1 where the subject is not what it claims to be.
+
+    Parameters
+    ----------
+    subject
+        A table (NPZ of ecfit, or somebody's CSV, NPY, EXR, C source or raw file), a published or shipped
+        fit by name, or the JSON file of a fit.
+    layout
+        Of somebody's file; `ecfit list` shows them. Else --axis and what follows, as in `ecfit import`.
+    piece
+        Of a layout with several tables that follow each other.
+    number
+        Type of the numbers of a raw file.
+    spacing
+        Of the nodes of --axis.
+    stored
+        What the file holds.
+    scale
+        The stored number that stands for 1.
+    order
+        Axes as the file stores them, the one that varies fastest last.
+    channel
+        Of an image, of the last dimension of an array, a column's or an array's name.
+    model
+        What the subject is claimed to be, in the place of its own contract, with --option, --quantity, --lobe
+        and --transport.
+    quantity
+        What it is claimed to hold.
+    lobe
+        all, reflection or transmission.
+    transport
+        energy or radiance.
+    exponent
+        Of schlick-a and schlick-b; 5 by default.
+    samples
+        Entries that are integrated again.
+    seed
+        Of the choice of entries.
+    tolerance
+        Largest difference that is allowed; by default what the subject states, else 1e-3 (a fit: 5e-2).
+    """
+    from ecfit.auditing import audit
+    from ecfit.study.plugins import load_plugins
+    from ecfit.tables.foreign import FORMATS
+
+    load_plugins(plugin, Path())
+    contract = _claim(model, option, quantity, lobe, transport, exponent)
+    what: Any = subject
+    path = Path(subject)
+    if path.suffix.lower() in FORMATS:
+        how = _Foreign(axis, layout, piece, number, spacing, stored, scale, order, channel)
+        what = _foreign(path, how, contract, finite=False)
+    done = audit(
+        what,
+        contract=contract,
+        name=subject,
+        samples=samples,
+        seed=seed,
+        tolerance=tolerance,
+        told=lambda trial: _say(f"trying: {trial}"),
+    )
+    print("\n".join(done.describe()))
+    if not done.ok:
+        raise SystemExit(1)
 
 
 @app.command
@@ -571,6 +744,7 @@ def list_(*, plugin: Plugins = ()) -> None:
     from ecfit.coordinates import SPACINGS, VIEWS
     from ecfit.forms import forms, registered_forms
     from ecfit.study.plugins import load_plugins
+    from ecfit.tables import LAYOUTS
 
     load_plugins(plugin, Path())
     print("models")
@@ -593,6 +767,9 @@ def list_(*, plugin: Plugins = ()) -> None:
     print("spacings")
     for name, text in SPACINGS.items():
         print(f"  {name}: {text}")
+    print("layouts of tables")
+    for layout in LAYOUTS.values():
+        print("\n".join(f"  {line}" for line in layout.describe()))
     print("shipped fits")
     for name in shipped():
         found = shipped(name)
@@ -648,6 +825,59 @@ def _given_axes(texts: tuple[str, ...], spacing: str) -> dict[str, Any]:
             name, low, high, count = _axis(text)
             axes[name] = ecfit.Axis.spaced(name, count, *full_range(name, low, high), spacing)
     return axes
+
+
+class _Foreign(NamedTuple):
+    """How somebody's file is to be read: the options of `ecfit import`."""
+
+    axis: tuple[str, ...]
+    layout: str | None
+    piece: str | None
+    number: str | None
+    spacing: str
+    stored: Literal["E", "1-E"]
+    scale: float
+    order: str | None
+    channel: str | None
+
+
+def _foreign(file: Path, how: _Foreign, contract: Any, finite: bool = True) -> Any:
+    """A table from somebody's file: by its axes, by a layout's name, or by what it says of itself."""
+    from ecfit.contract import Contract
+    from ecfit.tables import read_layout, read_table
+
+    if how.layout is not None or not how.axis:
+        counts = _counts(how.axis)
+        return read_layout(file, how.layout, contract=contract, counts=counts, channel=how.channel,
+                           piece=how.piece, finite=finite)  # fmt: skip
+    names = None if how.order is None else [name.strip() for name in how.order.split(",")]
+    axes = _given_axes(how.axis, how.spacing)
+    return read_table(file, axes, contract or Contract("unknown"), how.stored, names, channel=how.channel,
+                      scale=how.scale, number=how.number, finite=finite)  # fmt: skip
+
+
+def _claim(
+    model: str | None, option: tuple[str, ...], quantity: str, lobe: str, transport: str, exponent: int | None
+) -> Any:
+    """The contract that the options of `ecfit import` say, or None where they say none."""
+    from ecfit.tables import claim
+
+    settings = {} if exponent is None else {"exponent": exponent}
+    said = (quantity, lobe, transport) != ("directional-albedo", "all", "energy") or option or settings
+    if model is None and not said:
+        return None
+    return claim(model or "unknown", _settings(option), quantity, lobe, transport, settings)
+
+
+def _counts(texts: tuple[str, ...]) -> dict[str, int]:
+    """Counts of `--axis name=count` by name."""
+    out = {}
+    for text in texts:
+        name, low, high, count = _axis(text)
+        if low is not None or high is not None:
+            raise EcfitError(f"a layout has its own ranges: give --axis {name}={count}")
+        out[name] = count
+    return out
 
 
 def _axis(text: str) -> tuple[str, float | None, float | None, int]:

@@ -223,3 +223,44 @@ def test_what_needs_no_numbers_loads_neither_jax_nor_numpy(command: str):
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stderr
+
+
+def test_a_table_is_exported_imported_and_checked(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    """Exit codes of `ecfit check`: 0 as claimed, 1 not so, 2 a mistake."""
+    header, table = tmp_path / "t.h", tmp_path / "t.npz"
+    axes = ["--axis", "r=8", "--axis", "mu=8"]
+    made = [
+        "export-table",
+        "conductor",
+        "--layout",
+        "yocto",
+        *axes,
+        "--tolerance",
+        "1e-4",
+        "--output",
+        header,
+    ]
+    code, out, err = call(capsys, *made)
+    assert (code, err) == (0, "")
+    assert "8 x 8 numbers, float64 of E" in out
+    code, out, _ = call(capsys, "import", header, "--output", table)
+    assert code == 0
+    assert "written" in out
+    code, out, _ = call(capsys, "check", header)
+    assert (code, "as claimed" in out) == (0, True)
+    claims = ["--model", "conductor", "--axis", "alpha=8", "--axis", "mu=8"]
+    code, out, _ = call(capsys, "check", header, *claims)
+    assert code == 1
+    assert "likely: r given as alpha: mean drift falls from" in out
+    code, out, _ = call(capsys, "check", table)
+    assert code == 0
+    for wrong in (
+        ["check", header, "--layout", "cicles"],
+        ["check", "nothing"],
+        ["check", tmp_path / "nothing.h"],
+        ["import", tmp_path / "nothing.h", "--output", table],
+        ["export-table", "conductor", "--output", tmp_path / "x.h"],
+        ["export-table", table, "--output", tmp_path / "x.txt"],
+    ):
+        code, _, err = call(capsys, *wrong)
+        assert (code, err.startswith("error: "), err.count("\n")) == (2, True, 1), wrong

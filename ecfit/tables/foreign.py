@@ -9,17 +9,22 @@ import numpy as np
 
 from ecfit.bsdf import model as registered_model
 from ecfit.contract import Contract
-from ecfit.coordinates import Grid
+from ecfit.coordinates import Axis, Grid
 from ecfit.errors import EcfitError, unknown
 from ecfit.quantities import quantity
 from ecfit.tables.given import given_axes
 from ecfit.tables.layout import arranged
+from ecfit.tables.numbers import number as number_of
 from ecfit.tables.read_csv import read_csv
 from ecfit.tables.read_exr import read_exr
+from ecfit.tables.read_header import read_header
 from ecfit.tables.read_npy import read_npy
+from ecfit.tables.read_raw import read_raw
 from ecfit.tables.table import Table
 
-FORMATS = (".csv", ".exr", ".npy")
+SOURCE = (".h", ".hpp", ".inc", ".c", ".cpp", ".tables", ".js")
+RAW = (".bin", ".raw")
+FORMATS = (".csv", ".exr", ".npy", *SOURCE, *RAW)
 
 
 def read_table(
@@ -31,8 +36,11 @@ def read_table(
     *,
     channel: str | None = None,
     scale: float = 1.0,
+    number: str | None = None,
+    part: tuple[int, int] = (0, 1),
+    finite: bool = True,
 ) -> Table:
-    """A table from somebody's NPY, CSV or EXR file. Nothing in the file is executed.
+    """A table from somebody's NPY, CSV, EXR, C source or raw file. Nothing in the file is executed.
 
     Args:
         path: the file; its ending says what it is.
@@ -41,9 +49,14 @@ def read_table(
         stored: "1-E" where the file holds 1 - E; by default what a contract's mapping says, else "E".
         order: names of the axes as the file stores them, the one that varies fastest last ("-mu": from its
             last node to its first); by default the order of `axes`.
-        channel: of an image (R or Y by default), of the last dimension of an NPY array, or the column of a
-            CSV file with a header (`value` by default).
+        channel: of an image (R or Y by default), of the last dimension of an NPY array, the column of a CSV
+            file with a header (`value` by default), the name of an array in C source, or one of several
+            numbers that follow each other entry by entry (R, G, 0, 1).
         scale: the stored number that stands for 1: 65535 for 16-bit tables, 100 for per cent.
+        number: type of the numbers of a raw file ("uint16", "float16", ...), little-endian; decimals of text
+            are rounded to it; in C source "float16" means that whole numbers are the bits of halves.
+        part: which of how many tables of these axes that follow each other in the file.
+        finite: whether NaN and infinity are refused.
 
     Raises `EcfitError` for files that are missing, damaged, or not of the shape of the axes.
     """
@@ -59,12 +72,7 @@ def read_table(
             raise EcfitError(f"no such file: '{path}'" if not path.exists() else f"'{path}' is not a file")
         with path.open("rb"):
             pass  # so that a file that may not be read is told apart from a damaged one
-        count = Grid(made).size
-        if kind == ".csv":
-            values = read_csv(path, made, order, channel)
-        else:
-            array = (read_npy if kind == ".npy" else read_exr)(path, count, channel)
-            values = arranged(array, made, order, f"'{path}'")
+        values = _values(path, kind, made, order, channel, number, part)
     except (OSError, ValueError) as error:  # ValueError: a zero byte in the name
         raise EcfitError(
             f"cannot read '{str(path)!r}': {getattr(error, 'strerror', None) or error}"
@@ -73,9 +81,48 @@ def read_table(
         raise EcfitError(f"'{path}' is too large for the memory") from None
     by_name = {axis.name: axis for axis in made}
     try:
-        return Table.from_array(values, by_name, contract, stored=stored, scale=scale, source=path.name)
+        return Table.from_array(
+            values, by_name, contract, stored=stored, scale=scale, source=path.name, finite=finite
+        )
     except EcfitError as error:
         raise EcfitError(f"'{path}': {error}") from None
+
+
+def _values(
+    path: Path,
+    kind: str,
+    axes: Sequence[Axis],
+    order: Sequence[str] | None,
+    channel: str | None,
+    number: str | None,
+    part: tuple[int, int],
+) -> np.ndarray:
+    """The numbers of a file, one dimension an axis."""
+    which, parts = part
+    if not (isinstance(which, int) and isinstance(parts, int) and 0 <= which < parts):
+        raise EcfitError(f"part must be (which, of how many), got {part!r}")
+    if kind == ".csv":
+        if parts > 1:
+            raise EcfitError("a CSV file holds one table: give each part a file")
+        return _rounded(read_csv(path, axes, order, channel), number)
+    count = Grid(tuple(axes)).size
+    if kind in SOURCE:
+        array = _rounded(read_header(path, parts * count, channel, number), number)
+    elif kind in RAW:
+        array = read_raw(path, parts * count, channel, number)
+    else:
+        array = (read_npy if kind == ".npy" else read_exr)(path, parts * count, channel)
+    if parts > 1:
+        array = array.ravel()[which * count : (which + 1) * count]
+    return arranged(array, axes, order, f"'{path}'")
+
+
+def _rounded(array: np.ndarray, number: str | None) -> np.ndarray:
+    """Decimals as the type that they stand for, as a compiler takes them."""
+    if number is None or number_of(number).whole:
+        return array
+    with np.errstate(over="ignore"):
+        return array.astype(number_of(number).dtype).astype(np.float64)
 
 
 def claim(

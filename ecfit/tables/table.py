@@ -74,6 +74,7 @@ class Table:
         stored: str | None = None,
         scale: float = 1.0,
         source: str = "array",
+        finite: bool = True,
     ) -> "Table":
         """Somebody's own table: no model is needed.
 
@@ -87,6 +88,7 @@ class Table:
             stored: "1-E" where `values` hold 1 - E; by default what a contract's mapping says, else "E".
             scale: the number in `values` that stands for 1: 65535 for 16-bit tables, 100 for per cent.
             source: where the numbers come from, for the report.
+            finite: whether NaN and infinity are refused (an audit wants to see them).
 
         Raises `EcfitError` for values that are not finite real numbers of the shape of the axes.
         """
@@ -95,7 +97,7 @@ class Table:
         agreed, stored = claimed(contract, stored, made)
         array = as_albedo(array, stored, scale)
         bad = ~np.isfinite(array)
-        if bad.any():
+        if bad.any() and finite:
             place = Grid(made).nodes_at(np.flatnonzero(bad)[:1])
             first = ", ".join(f"{name} = {x[0]:.4g}" for name, x in place.items())
             raise EcfitError(
