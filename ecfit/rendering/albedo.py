@@ -1,0 +1,45 @@
+"""An approximation of E as a renderer has it: exported code, or the nodes of a table, in single precision."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ecfit.approximation import Approximation, Lookup
+from ecfit.coordinates import MAPS, resolve
+from ecfit.rendering._code import code
+
+
+@dataclass(frozen=True)
+class AlbedoCode:
+    """E(mu) at one roughness and index of refraction, as plain data.
+
+    Attributes:
+        name: of the approximation.
+        text: exported Python code of a function `E`; "" for a table.
+        fixed: the function's other arguments.
+        nodes, values: E at nodes of mu, linear in between; () for code. (A multilinear look-up is linear
+            between values that are interpolated in all other coordinates first.)
+    """
+
+    name: str
+    text: str = ""
+    fixed: Mapping[str, float] = field(default_factory=dict)
+    nodes: tuple[float, ...] = ()
+    values: tuple[float, ...] = ()
+
+    @classmethod
+    def of(cls, approximation: Approximation, r: float, ior: float | None) -> "AlbedoCode":
+        """An approximation of mu, roughness and perhaps ior at one r and ior."""
+        others = [v for v in approximation.variables if v != "mu"]
+        given: dict[str, Any] = {"r": r} if len(others) == 1 else {"r": r, "ior": ior}
+        fixed = {name: float(value) for name, value in resolve(others, given).items()}
+        formula = approximation.formula
+        if not isinstance(formula, Lookup):
+            return cls(approximation.name, code(approximation, "python", name="E"), fixed)
+        place = approximation.variables.index("mu")
+        ends, map_ = formula.ranges[place], MAPS[formula.through[place]]
+        nodes = map_.forward(np.linspace(*map(map_.inverse, ends), formula.grid.shape[place]))
+        values = np.asarray(approximation(mu=nodes, **fixed))
+        return cls(approximation.name, nodes=tuple(nodes.tolist()), values=tuple(values.tolist()))

@@ -1,0 +1,203 @@
+"""From the config of a furnace to its spheres: names resolved, small tables computed, nothing rendered."""
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from ecfit.approximation import Approximation, find
+from ecfit.approximation.tables import as_lookup
+from ecfit.bsdf import model
+from ecfit.config.furnace import NEEDS, FurnaceConfig, MaterialConfig, RowConfig
+from ecfit.coordinates import Axis, resolve, viewed
+from ecfit.errors import EcfitError
+from ecfit.rendering.albedo import AlbedoCode
+from ecfit.tables import Request, Table
+
+# To be changed when pictures of the same config change.
+RENDERING_VERSION = 1
+
+# Absolute errors of small tables: far below those of interpolation between 32 nodes.
+_TOLERANCE = 1e-6
+
+# Role -> what is tabulated: model, options, coordinates.
+_TABLES: dict[str, tuple[str, dict[str, str], tuple[str, ...]]] = {
+    "conductor": ("conductor", {}, ("r", "mu")),
+    "glossy": ("glossy", {}, ("F0", "r", "mu")),
+    "entering": ("dielectric", {"side": "entering"}, ("F0", "r", "mu")),
+    "leaving": ("dielectric", {"side": "leaving"}, ("F0", "r", "mu")),
+}
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """One sphere to render: all that its picture depends on, as plain data.
+
+    Attributes:
+        material, row: names in the config.
+        model, r, ior, eta, k, rho, light: of the material.
+        albedos: role -> the code or table that stands for E; empty where nothing is compensated.
+        outside: roles whose approximation is used outside its domain.
+        pixels, samples, seeds, candidates, depth: of the config.
+    """
+
+    material: str
+    row: str
+    model: str
+    light: str
+    r: float
+    ior: float | None
+    eta: tuple[float, ...] | None
+    k: tuple[float, ...] | None
+    rho: tuple[float, ...]
+    albedos: Mapping[str, AlbedoCode]
+    outside: tuple[str, ...]
+    pixels: int
+    samples: int
+    seeds: int
+    candidates: int
+    depth: int
+
+    @property
+    def alpha(self) -> float:
+        """GGX width."""
+        return resolve(["alpha"], {"r": self.r})["alpha"]
+
+    @property
+    def picture(self) -> str:
+        """The plain word that names the picture with this sphere."""
+        return self.material if self.ior is None else f"{self.material}-ior-{self.ior:g}"
+
+    @property
+    def approximations(self) -> str:
+        """Names of what stands for E, for people; those outside their domain have a star."""
+        names = (f"{a.name}*" if role in self.outside else a.name for role, a in self.albedos.items())
+        return " + ".join(names)
+
+    def to_dict(self) -> dict[str, Any]:
+        """A JSON-ready dictionary that `from_dict` reads back."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> "Sphere":
+        """The inverse of `to_dict`."""
+        colours = {key: None if data[key] is None else tuple(data[key]) for key in ("eta", "k", "rho")}
+        albedos = {role: AlbedoCode(**fields) for role, fields in data["albedos"].items()}
+        return cls(**{**data, **colours, "albedos": albedos, "outside": tuple(data["outside"])})
+
+    def key(self, variant: str) -> str:
+        """A hash of all that the picture depends on."""
+        text = json.dumps([RENDERING_VERSION, variant, self.to_dict()], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:20]
+
+
+class Albedos:
+    """The approximations of a config's rows, tables computed once and kept on disk.
+
+    Args:
+        config: the furnace.
+        tables: folder of tables, shared with studies.
+        told: is told what is about to be tabulated.
+    """
+
+    def __init__(self, config: FurnaceConfig, tables: Path, told: Callable[[str], object]) -> None:
+        self._tables, self._told = tables, told
+        self._iors = [i for m in config.materials if m.model == "dielectric" for i in m.ior or ()]
+        self._found: dict[tuple[str, int], Approximation] = {}
+
+    def of(self, row: RowConfig, role: str, ior: float | None) -> Approximation:
+        """What stands for an albedo in a row: of several fits the first whose domain holds the ior.
+
+        Where none does it is the last, beyond its domain.
+        """
+        if row.table is not None:
+            return self._lookup(role, row.table)
+        choices = [find(name) for name in getattr(row, role)]
+        for choice in choices:
+            claimed, wanted = choice.contract, _TABLES[role]
+            side = wanted[1].get("side")
+            if claimed.model != wanted[0] or (side and claimed.options.get("side") != side):
+                raise EcfitError(
+                    f"row '{row.name}': '{choice.name}' is of the model {claimed.model} "
+                    f"{claimed.options.get('side', '')}, but {role} means {' '.join((wanted[0], side or ''))}"
+                )
+        return next((choice for choice in choices if holds(choice, ior)), choices[-1])
+
+    def _lookup(self, role: str, count: int) -> Approximation:
+        if (role, count) not in self._found:
+            name, options, coordinates = _TABLES[role]
+            axes = {c: self._axis(role, c, count) for c in coordinates}
+            request = Request.make(model(name, **options), axes, tolerance=_TOLERANCE)
+            path = self._tables / f"{request.key}.npz"
+            if path.exists():
+                table = Table.load(path)
+            else:
+                self._told(f"table of {role}: {' x '.join([str(count)] * len(coordinates))} nodes")
+                table = request.compute()
+                table.save(path)
+            self._found[role, count] = as_lookup(table)
+        return self._found[role, count]
+
+    def _axis(self, role: str, name: str, count: int) -> Axis:
+        """Uniform over the whole range, of F0 of a dielectric over the iors of the config."""
+        low, high = 0.0, 1.0
+        if name == "F0" and role != "glossy":
+            # One ior alone has no range: a table around it.
+            ends = min(self._iors), max(self._iors)
+            if ends[0] == ends[1]:
+                ends = 1.0 + 0.9 * (ends[0] - 1.0), 1.0 + 1.1 * (ends[0] - 1.0)
+            low, high = (float(resolve(["F0"], {"ior": ior})["F0"]) for ior in ends)
+        return Axis.spaced(name, count, low, high)
+
+
+def holds(approximation: Approximation, ior: float | None) -> bool:
+    """Whether an approximation's domain holds an index of refraction."""
+    for variable, (low, high) in zip(approximation.variables, approximation.domain, strict=True):
+        value = None if ior is None else viewed(variable, "ior", ior)
+        # The ends of domains are rounded numbers: F0 of ior = 3 is 0.25.
+        if value is not None and not low * (1.0 - 1e-9) <= value <= high * (1.0 + 1e-9):
+            return False
+    return True
+
+
+def spheres(config: FurnaceConfig, albedos: Albedos) -> list[Sphere]:
+    """All spheres of a config, picture by picture, row by row, from left to right."""
+    return [
+        _sphere(config, material, row, r, ior, albedos)
+        for material in config.materials
+        for ior in material.ior or [None]
+        for row in config.rows
+        for r in config.r
+    ]
+
+
+def _sphere(
+    config: FurnaceConfig,
+    material: MaterialConfig,
+    row: RowConfig,
+    r: float,
+    ior: float | None,
+    albedos: Albedos,
+) -> Sphere:
+    roles = NEEDS[material.model] if row.compensates else ()
+    used = {role: albedos.of(row, role, ior) for role in roles}
+    return Sphere(
+        material=material.name,
+        row=row.name,
+        model=material.model,
+        light=material.light,
+        r=r,
+        ior=ior,
+        eta=None if material.eta is None else tuple(material.eta),
+        k=None if material.k is None else tuple(material.k),
+        rho=tuple(material.rho),
+        albedos={role: AlbedoCode.of(found, r, ior) for role, found in used.items()},
+        outside=tuple(role for role, found in used.items() if not holds(found, ior)),
+        pixels=material.pixels or config.pixels,
+        samples=material.samples or config.samples,
+        seeds=config.seeds,
+        candidates=config.candidates,
+        depth=config.depth,
+    )
