@@ -357,6 +357,47 @@ def certify(fit: str, *, samples: int = 20_000, seed: int = 1, output: Path | No
 
 
 @app.command
+def export(
+    fit: str,
+    *,
+    lang: str,
+    name: str | None = None,
+    output: Path | None = None,
+    coordinates: str = "",
+    clamp: bool = False,
+) -> None:
+    """Write a fit as source code of a language: one function, its contract in a comment.
+
+    Parameters
+    ----------
+    fit
+        A published or shipped fit by name (`ecfit list` shows them), or the JSON file of a fit.
+    lang
+        glsl, hlsl, wgsl, msl, slang, osl, c, cpp or python.
+    name
+        Of the function; by default the fit's.
+    output
+        File to write; without, the code is printed.
+    coordinates
+        Views that it takes, separated by commas: r or alpha, F0 or ior. By default those of the fit.
+    clamp
+        Clamp the arguments to the domain.
+    """
+    from ecfit.approximation import find
+    from ecfit.export import code, evidence_from
+    from ecfit.files import write_text
+
+    views = [v.strip() for v in coordinates.split(",") if v.strip()]
+    settings = {"name": name, "coordinates": views, "clamp": clamp}
+    text = code(find(fit), lang, evidence=evidence_from(fit), **settings)
+    if output is None:
+        print(text, end="")
+    else:
+        write_text(output, text)
+        print(f"written: {output}")
+
+
+@app.command
 def ship(config: Path, *, output: Path, results: Path = Path("results"), samples: int = 20_000) -> None:
     """Certify the named fits of a finished study and write those that are granted, one file each.
 

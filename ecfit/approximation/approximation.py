@@ -151,6 +151,12 @@ class Approximation:
         """The value as an expression of `variables`. Raises `EcfitError` for tables."""
         return self.formula.expression(self.variables)
 
+    def to_code(self, language: str, **options: Any) -> str:
+        """Source text of a function that computes this; see `ecfit.export.code`."""
+        from ecfit.export import code
+
+        return code(self, language, **options)
+
     def _points(self, coordinates: Mapping[str, Any]) -> list[Array]:
         found = resolve(self.variables, coordinates)
         return [jnp.asarray(found[v], dtype=jnp.float64) for v in self.variables]

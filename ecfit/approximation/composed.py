@@ -75,6 +75,15 @@ class Composed(Formula):
     def expression(self, names: Sequence[str]) -> Node:
         return substitute(self._expression, {a: var(b) for a, b in zip(self.names, names, strict=True)})
 
+    def landmarks(self, names: Sequence[str]) -> dict[str, Node]:
+        put = {a: var(b) for a, b in zip(self.names, names, strict=True)}
+        out = {}
+        for part in self.parts:
+            known = part.formula.landmarks(part.variables)
+            out |= {f"{name}_{part.name}": node for name, node in known.items()}
+            out[part.name] = part.formula.expression(part.variables)
+        return {name: substitute(node, put) for name, node in out.items()}
+
     def value(self, points: Sequence[Array]) -> Array:
         arrays = broadcast(points)
         return value(self._expression, dict(zip(self.names, arrays, strict=True))) + 0 * arrays[0]

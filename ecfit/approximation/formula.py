@@ -52,6 +52,10 @@ class Formula(abc.ABC):
 
         Raises `EcfitError` where it has none (tables)."""
 
+    def landmarks(self, names: Sequence[str]) -> dict[str, Node]:
+        """Subexpressions of `expression` that have a meaning, by what people call them: for readable code."""
+        return {}
+
     @abc.abstractmethod
     def smallest_denominator(self, domain: Box) -> Minimum:
         """The minimum of the denominator over a box; 1 where there is none."""
@@ -155,6 +159,9 @@ class Quotient(Formula):
     def expression(self, names: Sequence[str]) -> Node:
         p, q = self.polynomials(names)
         return p / q
+
+    def landmarks(self, names: Sequence[str]) -> dict[str, Node]:
+        return dict(zip("pq", self.polynomials(names), strict=True))
 
     def smallest_denominator(self, domain: Box) -> Minimum:
         box = [

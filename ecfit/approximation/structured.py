@@ -50,6 +50,9 @@ class StructuredFormula(Formula):
             raise EcfitError(f"this form is a function of {', '.join(self.structure.variables)}")
         return self._expression
 
+    def landmarks(self, names: Sequence[str]) -> dict[str, Node]:
+        return self.structure.landmarks(self.values)
+
     def value(self, points: Sequence[Array]) -> Array:
         arrays = broadcast(points)
         return (

@@ -55,6 +55,11 @@ class Written(Formula):
     def expression(self, names: Sequence[str]) -> Node:
         return substitute(self._expression, {a: var(b) for a, b in zip(self.names, names, strict=True)})
 
+    def landmarks(self, names: Sequence[str]) -> dict[str, Node]:
+        put = {a: var(b) for a, b in zip(self.names, names, strict=True)}
+        known = [(name, parse(name, self.names, self.lets)) for name, _ in self.lets]
+        return {name: substitute(node, put) for name, node in known}
+
     def value(self, points: Sequence[Array]) -> Array:
         arrays = broadcast(points)
         return value(self._expression, dict(zip(self.names, arrays, strict=True))) + 0 * arrays[0]

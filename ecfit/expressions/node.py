@@ -203,6 +203,28 @@ def replaced(root: Node, replacements: Mapping[Node, Node]) -> Node:
     return done[id(root)]
 
 
+def with_roots(root: Node, put: Mapping[Node, Node]) -> Node:
+    """The expression with subexpressions replaced, and sqrt(x x) written x where a replacement has x x.
+
+    For replacements such as F0 = s s with s >= 0.
+    """
+    squares = {}
+    for made in put.values():
+        for part in topological([made]):
+            if part.op == "mul" and part.args[0] is part.args[1]:
+                squares[part] = part.args[0]
+    done: dict[Node, Node] = {}
+    for node in topological([root]):
+        if node in put:
+            done[node] = put[node]
+        elif node.op == "sqrt":
+            inner = done[node.args[0]]
+            done[node] = squares[inner] if inner in squares else sqrt(inner)
+        else:
+            done[node] = rebuild(node.op, [done[a] for a in node.args], node.value, node.name)
+    return done[root]
+
+
 def inputs(root: Node) -> set[str]:
     """Names of the inputs."""
     return {n.name for n in topological([root]) if n.op == "var"}

@@ -119,6 +119,12 @@ class Fit:
             return f"{self.approximation.name} DID NOT CONVERGE after {self.iterations} steps"
         return ""
 
+    def to_code(self, language: str, **options: Any) -> str:
+        """Source text of a function that computes this, errors in its comment; see `ecfit.export.code`."""
+        from ecfit.export import code, evidence_of
+
+        return code(self.approximation, language, **{"evidence": evidence_of(self.to_dict()), **options})
+
     def to_dict(self) -> dict:
         """A JSON-ready dictionary that `from_dict` reads back."""
         return {

@@ -135,9 +135,16 @@ class Head:
 
     def expression(self, ratios: Sequence[Node]) -> Node:
         """The value as an expression of the coordinates, given the ratios P_i / Q."""
+        return self._put(self.value, ratios)
+
+    def definitions(self, ratios: Sequence[Node]) -> dict[str, Node]:
+        """What `lets` define, as parts of `expression`."""
+        return {name: self._put(self._parse(name), ratios) for name, _ in self.lets}
+
+    def _put(self, formula: Node, ratios: Sequence[Node]) -> Node:
         nodes = {name: plain(name) for name in FEATURES}
         x = [monomial(f, nodes) * ratio for f, ratio in zip(self.factors, ratios, strict=True)]
-        return substitute(self.value, {**nodes, **dict(zip(self.symbols, x, strict=True))})
+        return substitute(formula, {**nodes, **dict(zip(self.symbols, x, strict=True))})
 
     def orders(self, ratios: Sequence[float]) -> tuple[float, ...]:
         """Order of each X at the corner, given those of the ratios. Raises `EcfitError` for one below 0."""

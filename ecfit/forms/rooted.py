@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ecfit.expressions import Node, sqrt, var
-from ecfit.expressions.node import rebuild, topological
+from ecfit.expressions import Node, var
+from ecfit.expressions.node import topological, with_roots
 
 Range = tuple[float, float]
 
@@ -46,7 +46,7 @@ class Piece:
                 put[var("rho")] = root * root
             elif name == _PREFIX + "F0":
                 put[var("F0")] = (root * root) * (root * root)
-        return _with_roots(node, put)
+        return with_roots(node, put)
 
     def chart(self, at: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The chart's coordinates of points given in the piece's variables; rounded to nearest."""
@@ -100,22 +100,3 @@ def _root(x: float, order: int, towards: int) -> float:
     for _ in range(2):
         root = float(np.nextafter(root, towards * np.inf))
     return root
-
-
-def _with_roots(node: Node, put: Mapping[Node, Node]) -> Node:
-    """The expression with subexpressions replaced, and sqrt(x x) written x where x is one of the roots."""
-    squares = {}
-    for n in put.values():
-        for part in topological([n]):
-            if part.op == "mul" and part.args[0] is part.args[1]:
-                squares[part] = part.args[0]
-    done: dict[Node, Node] = {}
-    for n in topological([node]):
-        if n in put:
-            done[n] = put[n]
-        elif n.op == "sqrt":
-            inner = done[n.args[0]]
-            done[n] = squares[inner] if inner in squares else sqrt(inner)
-        else:
-            done[n] = rebuild(n.op, [done[a] for a in n.args], n.value, n.name)
-    return done[node]

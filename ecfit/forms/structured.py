@@ -22,6 +22,7 @@ from ecfit.forms.features import (
     untied,
 )
 from ecfit.forms.heads import HEADS, Head, head, rho_power
+from ecfit.forms.nested import nested
 
 # At alpha = mu = 0 the forms are 0 / 0; a cosine of at least this defines them there (E = 1 at alpha = 0).
 # Half of its third power is far above the least float32.
@@ -132,16 +133,14 @@ class Structure:
         *numerators, denominator = self.group_orders
         return tuple(n - denominator for n in numerators)
 
-    def terms(self, exponents: np.ndarray, in_chart: bool, lowest: float = 0.0) -> list[Node]:
-        """The products of powers of features; in the chart, divided by rho^lowest."""
-        nodes = {f: (scaled if in_chart else plain)(f) for f in self.features}
+    def terms(self, exponents: np.ndarray, lowest: float) -> list[Node]:
+        """The products of powers of features in the corner chart, divided by rho^lowest."""
+        nodes = {f: scaled(f) for f in self.features}
         orders = np.array([FEATURES[f].order for f in self.features])
         out = []
         for row in exponents:
             node = monomial(dict(zip(self.features, map(float, row), strict=True)), nodes)
-            if in_chart:
-                node = node * rho_power(float(row @ orders) - lowest)
-            out.append(node)
+            out.append(node * rho_power(float(row @ orders) - lowest))
         return out
 
     def split(self, coefficients: Sequence[float] | np.ndarray) -> list[np.ndarray]:
@@ -152,18 +151,20 @@ class Structure:
         return parts
 
     def polynomials(self, coefficients: np.ndarray, in_chart: bool = False) -> list[Node]:
-        """The numerators and Q as expressions; in the chart, each divided by its own lowest power of rho."""
+        """The numerators and Q as expressions; in the chart, each divided by its own lowest power of rho.
+
+        Nested as they are evaluated; sums of terms in the chart, where bounds are the tighter so.
+        """
         groups = (*self.numerators, self.denominator)
+        parts = self.split(coefficients)
+        if not in_chart:
+            nodes = {f: plain(f) for f in self.features}
+            return [nested(e, c, self.features, nodes) for e, c in zip(groups, parts, strict=True)]
         out = []
-        for exponents, values, lowest in zip(
-            groups, self.split(coefficients), self.group_orders, strict=True
-        ):
-            nodes = self.terms(exponents, in_chart, lowest)
-            total: Node | None = None
-            for c, node in zip(values, nodes, strict=True):
-                part = node * float(c) if node.op != "const" else const(float(c) * node.value)
-                total = part if total is None else total + part
-            assert total is not None
+        for exponents, values, lowest in zip(groups, parts, self.group_orders, strict=True):
+            total = const(0.0)
+            for c, node in zip(values, self.terms(exponents, lowest), strict=True):
+                total = total + (const(float(c) * node.value) if node.op == "const" else node * float(c))
             out.append(total)
         return out
 
@@ -189,6 +190,17 @@ class Structure:
             return substitute(node, {"mu": mu})
         return node
 
+    def landmarks(self, coefficients: np.ndarray) -> dict[str, Node]:
+        """Features, Q and what the head defines as parts of `expression`, by name."""
+        known: dict[str, Node] = {"q": self.divisor(coefficients)}
+        for name in (*self.features, *self.head.features):
+            known[name] = self._evaluated((scaled if self.charted else plain)(name))
+        if self.charted:
+            return known | {name: self._evaluated(var(name)) for name in ("t", "m", "rho")}
+        *numerators, q = self.polynomials(coefficients)
+        lets = self.head.definitions([p / q for p in numerators])
+        return known | {name: self._evaluated(node) for name, node in lets.items()}
+
     def denominator_expression(self, coefficients: np.ndarray) -> Node:
         """Q in the coordinates."""
         return self.polynomials(coefficients)[-1]
@@ -203,7 +215,7 @@ class Structure:
         """Values of all terms in the chart at points, one array (rows, terms) a numerator and Q."""
         inputs = chart_points(points)
         groups = (*self.numerators, self.denominator)
-        nodes = [self.terms(e, True, low) for e, low in zip(groups, self.group_orders, strict=True)]
+        nodes = [self.terms(e, low) for e, low in zip(groups, self.group_orders, strict=True)]
         return [_stack(n, inputs) for n in nodes]
 
     def factors(self, points: Mapping[str, np.ndarray]) -> np.ndarray:
