@@ -8,7 +8,7 @@ import numpy as np
 
 from ecfit.approximation import Approximation, Lookup
 from ecfit.coordinates import MAPS, resolve
-from ecfit.rendering._code import code
+from ecfit.export import code
 
 
 @dataclass(frozen=True)
