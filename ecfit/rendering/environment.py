@@ -24,7 +24,7 @@ def studio() -> np.ndarray:
     """Radiance of the light, float32, HEIGHT x WIDTH x 3."""
     x, y, z = _direction()
     up = 0.5 + 0.5 * y
-    sky, floor = np.array([0.55, 0.70, 0.95]), np.array([0.20, 0.17, 0.14])
+    sky, floor = np.array([0.74, 0.80, 0.90]), np.array([0.16, 0.15, 0.14])
     # A soft step at the horizon, so that glass shows where it bends light.
     edge = 1.0 / (1.0 + np.exp(-18.0 * y))
     light = edge[..., None] * sky * (0.35 + 0.65 * up[..., None]) + (1.0 - edge[..., None]) * floor

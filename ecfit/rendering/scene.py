@@ -20,6 +20,8 @@ mi, dr = mitsuba()
 
 # Half the width of a picture in radii of the sphere.
 FRAME = 1.06
+# Under the studio's light paths end by roulette from here on: unbiased, and most light has arrived.
+_ROULETTE = 32
 
 
 def bind(albedo: AlbedoCode) -> Albedo:
@@ -54,7 +56,7 @@ def _scene(sphere: Sphere) -> Any:
     walk: dict[str, Any] = {"type": "ecfit-furnace", "depth": sphere.depth, "candidates": sphere.candidates}
     if not constant:
         light = {"type": "envmap", "bitmap": mi.Bitmap(studio())}
-        walk = {"type": "path", "max_depth": sphere.depth, "rr_depth": sphere.depth, "hide_emitters": True}
+        walk = {"type": "path", "max_depth": sphere.depth, "rr_depth": _ROULETTE, "hide_emitters": True}
     film = {
         "type": "hdrfilm",
         "width": sphere.pixels,
