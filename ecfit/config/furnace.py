@@ -1,4 +1,4 @@
-"""The typed form of a furnace's TOML file: which spheres are rendered, and what compensates them. No JAX here."""
+"""The typed form of a furnace's TOML file: which spheres are rendered, what compensates them. No JAX here."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -53,7 +53,8 @@ class MaterialConfig(_Section):
 
     name: Annotated[Word, Field(description="of its pictures")]
     model: Annotated[
-        Literal["conductor", "glossy", "thin-dielectric", "dielectric"], Field(description="what it is made of")
+        Literal["conductor", "glossy", "thin-dielectric", "dielectric"],
+        Field(description="what it is made of"),
     ]
     light: Annotated[
         Literal["constant", "studio"],
@@ -63,11 +64,14 @@ class MaterialConfig(_Section):
         list[Annotated[float, Field(gt=1.0, le=10.0)]] | None,
         Field(min_length=1, description="indices of refraction"),
     ] = None
-    eta: Annotated[Colour | None, Field(description="conductor: refractive index for red, green, blue")] = None
+    eta: Annotated[Colour | None, Field(description="conductor: refractive index for red, green, blue")] = (
+        None
+    )
     k: Annotated[Colour | None, Field(description="conductor: extinction for red, green, blue")] = None
     rho: Annotated[
-        list[Reflectance], Field(min_length=3, max_length=3, description="glossy: reflectance of the base")
-    ] = [1.0, 1.0, 1.0]
+        list[Reflectance] | None,
+        Field(min_length=3, max_length=3, description="glossy: reflectance of the base, white without"),
+    ] = None
     pixels: Annotated[Pixels | None, Field(description="instead of the furnace's")] = None
     samples: Annotated[Samples | None, Field(description="instead of the furnace's")] = None
 
@@ -77,7 +81,7 @@ class MaterialConfig(_Section):
             raise ValueError("give ior, but not for a conductor, which takes eta and k (white without)")
         if (self.eta is None) != (self.k is None) or (self.eta is not None and self.model != "conductor"):
             raise ValueError("eta and k go together, and belong to a conductor")
-        if self.model != "glossy" and self.rho != [1.0, 1.0, 1.0]:
+        if self.model != "glossy" and self.rho is not None:
             raise ValueError("rho belongs to the model 'glossy'")
         return self
 
@@ -96,7 +100,8 @@ class FurnaceConfig(_Section):
         int, Field(ge=2, le=64, description="independent renders, whose scatter is the estimate of the noise")
     ] = 8
     candidates: Annotated[
-        int, Field(ge=1, le=256, description="directions sampled at a scattering, one of which the path takes")
+        int,
+        Field(ge=1, le=256, description="directions sampled at a scattering, one of which the path takes"),
     ] = 8
     depth: Annotated[int, Field(ge=1, le=100_000, description="scatterings after which a path is cut")] = 4096
     rows: Annotated[list[RowConfig], Field(min_length=1, max_length=8, description="from top to bottom")]
@@ -129,6 +134,8 @@ def _cross_check(config: FurnaceConfig) -> list[Fault]:
         for material in config.materials:
             for role in NEEDS[material.model]:
                 if getattr(row, role) is None:
-                    message = f"the row '{row.name}' has no {role}, which the material '{material.name}' needs"
+                    message = (
+                        f"the row '{row.name}' has no {role}, which the material '{material.name}' needs"
+                    )
                     faults.append((("rows", i), message))
     return faults

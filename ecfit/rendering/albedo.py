@@ -11,6 +11,13 @@ from ecfit.coordinates import MAPS, resolve
 from ecfit.export import code
 
 
+def arguments(approximation: Approximation, r: float, ior: float | None) -> dict[str, float]:
+    """The coordinates other than mu of an approximation at one r and, where it has a second one, ior."""
+    others = [v for v in approximation.variables if v != "mu"]
+    given: dict[str, Any] = {"r": r} if len(others) == 1 else {"r": r, "ior": ior}
+    return {name: float(value) for name, value in resolve(others, given).items()}
+
+
 @dataclass(frozen=True)
 class AlbedoCode:
     """E(mu) at one roughness and index of refraction, as plain data.
@@ -32,9 +39,7 @@ class AlbedoCode:
     @classmethod
     def of(cls, approximation: Approximation, r: float, ior: float | None) -> "AlbedoCode":
         """An approximation of mu, roughness and perhaps ior at one r and ior."""
-        others = [v for v in approximation.variables if v != "mu"]
-        given: dict[str, Any] = {"r": r} if len(others) == 1 else {"r": r, "ior": ior}
-        fixed = {name: float(value) for name, value in resolve(others, given).items()}
+        fixed = arguments(approximation, r, ior)
         formula = approximation.formula
         if not isinstance(formula, Lookup):
             return cls(approximation.name, code(approximation, "python", name="E"), fixed)

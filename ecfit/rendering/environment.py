@@ -13,7 +13,9 @@ def _direction() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.sin(theta) * np.sin(phi), np.cos(theta) + 0.0 * phi, -np.sin(theta) * np.cos(phi)
 
 
-def _panel(x: np.ndarray, y: np.ndarray, z: np.ndarray, at: tuple[float, float, float], cosine: float) -> np.ndarray:
+def _panel(
+    x: np.ndarray, y: np.ndarray, z: np.ndarray, at: tuple[float, float, float], cosine: float
+) -> np.ndarray:
     """1 within a cone around a direction, with a soft edge of a few texels."""
     axis = np.asarray(at) / np.linalg.norm(at)
     inside = x * axis[0] + y * axis[1] + z * axis[2]

@@ -38,7 +38,9 @@ class Furnace(mi.SamplingIntegrator):
         wo, eta, energy = mi.Vector3f(0.0, 0.0, 1.0), mi.Float(1.0), mi.Float(0.0)
         i = mi.UInt32(0)
         while i < self.candidates:
-            sampled, value = bsdf.sample(context, si, sampler.next_1d(active), sampler.next_2d(active), active)
+            sampled, value = bsdf.sample(
+                context, si, sampler.next_1d(active), sampler.next_2d(active), active
+            )
             # Radiance changes by eta^2 where it passes an interface.
             carried = value[0] * sampled.eta * sampled.eta
             energy = energy + carried

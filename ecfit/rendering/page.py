@@ -11,8 +11,8 @@ def page(config: FurnaceConfig, pictures: Mapping[str, Sequence[Any]]) -> str:
     """Markdown text of all pictures, by stem of their files, and the numbers of their spheres."""
     out = [f"# {config.name}", ""]
     out += [
-        "Spheres in a constant light of radiance 1: a surface that keeps all energy cannot be seen. Below each, "
-        "the mean and the worst deviation from 1 where mu >= 0.1, noise subtracted. All numbers: "
+        "Spheres in a constant light of radiance 1: a surface that keeps all energy cannot be seen. Below "
+        "each, the mean and the worst deviation from 1 where mu >= 0.1, noise subtracted. All numbers: "
         "[furnace.csv](furnace.csv).",
         "",
     ]

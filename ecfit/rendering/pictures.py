@@ -80,7 +80,9 @@ def _grid(rendered, rows, r, shown, text: float, background: str) -> Figure:
         for i, row in enumerate(rows):
             bottom = 1.0 - (_TOP + (_SIZE + text) * i + _SIZE) / height
             used = places[row, r[0]].sphere.approximations
-            figure.text(0.06 / width, bottom + 0.5 * _SIZE / height, _label(row, used), va="center", fontsize=7.5)
+            figure.text(
+                0.06 / width, bottom + 0.5 * _SIZE / height, _label(row, used), va="center", fontsize=7.5
+            )
             for j, value in enumerate(r):
                 one = places[row, value]
                 left = (_LEFT + _SIZE * j) / width
@@ -113,5 +115,7 @@ def _png(figure: Figure) -> bytes:
         figure.savefig(buffer, format="png", dpi=_DPI, metadata={"Software": None})
     image = Image.open(buffer).convert("RGB")
     small = io.BytesIO()
-    image.quantize(256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
+    image.quantize(256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(
+        small, "PNG", optimize=True
+    )
     return small.getvalue()

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,8 @@ from ecfit.config.furnace import NEEDS, FurnaceConfig, MaterialConfig, RowConfig
 from ecfit.coordinates import Axis, resolve, viewed
 from ecfit.errors import EcfitError
 from ecfit.rendering.albedo import AlbedoCode
-from ecfit.tables import Request, Table
+from ecfit.study.runner import Progress, stored_table
+from ecfit.tables import Request
 
 # To be changed when pictures of the same config change.
 RENDERING_VERSION = 1
@@ -23,7 +24,7 @@ RENDERING_VERSION = 1
 _TOLERANCE = 1e-6
 
 # Role -> what is tabulated: model, options, coordinates.
-_TABLES: dict[str, tuple[str, dict[str, str], tuple[str, ...]]] = {
+TABLES: dict[str, tuple[str, dict[str, str], tuple[str, ...]]] = {
     "conductor": ("conductor", {}, ("r", "mu")),
     "glossy": ("glossy", {}, ("F0", "r", "mu")),
     "entering": ("dielectric", {"side": "entering"}, ("F0", "r", "mu")),
@@ -73,8 +74,7 @@ class Sphere:
     @property
     def approximations(self) -> str:
         """Names of what stands for E, for people; those outside their domain have a star."""
-        names = (f"{a.name}*" if role in self.outside else a.name for role, a in self.albedos.items())
-        return " + ".join(names)
+        return _joined({role: a.name for role, a in self.albedos.items()}, self.outside)
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready dictionary that `from_dict` reads back."""
@@ -98,12 +98,12 @@ class Albedos:
 
     Args:
         config: the furnace.
-        tables: folder of tables, shared with studies.
-        told: is told what is about to be tabulated.
+        results: folder of all results, which shares tables with studies.
+        progress: is told what is tabulated.
     """
 
-    def __init__(self, config: FurnaceConfig, tables: Path, told: Callable[[str], object]) -> None:
-        self._tables, self._told = tables, told
+    def __init__(self, config: FurnaceConfig, results: Path, progress: Progress) -> None:
+        self._results, self._progress = results, progress
         self._iors = [i for m in config.materials if m.model == "dielectric" for i in m.ior or ()]
         self._found: dict[tuple[str, int], Approximation] = {}
 
@@ -116,7 +116,7 @@ class Albedos:
             return self._lookup(role, row.table)
         choices = [find(name) for name in getattr(row, role)]
         for choice in choices:
-            claimed, wanted = choice.contract, _TABLES[role]
+            claimed, wanted = choice.contract, TABLES[role]
             side = wanted[1].get("side")
             if claimed.model != wanted[0] or (side and claimed.options.get("side") != side):
                 raise EcfitError(
@@ -127,17 +127,12 @@ class Albedos:
 
     def _lookup(self, role: str, count: int) -> Approximation:
         if (role, count) not in self._found:
-            name, options, coordinates = _TABLES[role]
+            name, options, coordinates = TABLES[role]
             axes = {c: self._axis(role, c, count) for c in coordinates}
             request = Request.make(model(name, **options), axes, tolerance=_TOLERANCE)
-            path = self._tables / f"{request.key}.npz"
-            if path.exists():
-                table = Table.load(path)
-            else:
-                self._told(f"table of {role}: {' x '.join([str(count)] * len(coordinates))} nodes")
-                table = request.compute()
-                table.save(path)
-            self._found[role, count] = as_lookup(table)
+            self._found[role, count] = as_lookup(
+                stored_table(request, role, self._results, {}, self._progress)
+            )
         return self._found[role, count]
 
     def _axis(self, role: str, name: str, count: int) -> Axis:
@@ -150,6 +145,20 @@ class Albedos:
                 ends = 1.0 + 0.9 * (ends[0] - 1.0), 1.0 + 1.1 * (ends[0] - 1.0)
             low, high = (float(resolve(["F0"], {"ior": ior})["F0"]) for ior in ends)
         return Axis.spaced(name, count, low, high)
+
+
+def _joined(names: Mapping[str, str], outside: tuple[str, ...]) -> str:
+    return " + ".join(f"{name}*" if role in outside else name for role, name in names.items())
+
+
+def beyond(used: Mapping[str, Approximation], ior: float | None) -> tuple[str, ...]:
+    """The roles whose approximation is used outside its domain."""
+    return tuple(role for role, found in used.items() if not holds(found, ior))
+
+
+def starred(used: Mapping[str, Approximation], ior: float | None) -> str:
+    """Names for people; those outside their domain have a star."""
+    return _joined({role: found.name for role, found in used.items()}, beyond(used, ior))
 
 
 def holds(approximation: Approximation, ior: float | None) -> bool:
@@ -192,9 +201,9 @@ def _sphere(
         ior=ior,
         eta=None if material.eta is None else tuple(material.eta),
         k=None if material.k is None else tuple(material.k),
-        rho=tuple(material.rho),
+        rho=tuple(material.rho or (1.0, 1.0, 1.0)),
         albedos={role: AlbedoCode.of(found, r, ior) for role, found in used.items()},
-        outside=tuple(role for role, found in used.items() if not holds(found, ior)),
+        outside=beyond(used, ior),
         pixels=material.pixels or config.pixels,
         samples=material.samples or config.samples,
         seeds=config.seeds,

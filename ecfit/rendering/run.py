@@ -1,4 +1,4 @@
-"""Running a furnace: spheres that are not on disk are rendered, then numbers, pictures and page are written."""
+"""Running a furnace: spheres that are not on disk are rendered; numbers, pictures and page are written."""
 
 import csv
 import io
@@ -17,14 +17,15 @@ from ecfit.config.furnace import FurnaceConfig, read_furnace
 from ecfit.errors import EcfitError
 from ecfit.files import make_folder, write_text
 from ecfit.rendering.page import page
-from ecfit.rendering.pictures import colour_picture, furnace_picture
+from ecfit.rendering.pictures import colour_picture, furnace_picture, percent
 from ecfit.rendering.plan import Albedos, Sphere, spheres
-from ecfit.rendering.variant import SLOW, Variant, choose
+from ecfit.rendering.variant import Variant, choose
 from ecfit.rendering.verdict import Verdict, verdict
+from ecfit.study.runner import Progress
 
 COLUMNS = (
-    "material", "ior", "r", "row", "approximation", "mean", "worst", "worst_mu", "energy", "noise", "worst_noise",
-    "rest", "pixels", "samples", "seeds", "candidates", "depth", "variant", "seconds",
+    "material", "ior", "r", "row", "approximation", "mean", "worst", "worst_mu", "energy", "noise",
+    "worst_noise", "rest", "pixels", "samples", "seeds", "candidates", "depth", "variant", "seconds",
 )  # fmt: skip
 
 
@@ -66,36 +67,53 @@ class FurnaceRun:
         """The page with all pictures."""
         return self.folder / "furnace.md"
 
+    def describe(self) -> list[str]:
+        """Lines for people to read: the spheres of each row that deviate most."""
+        out = []
+        for row in dict.fromkeys(one.sphere.row for one in self.rendered):
+            judged = [one for one in self.rendered if one.sphere.row == row and one.verdict is not None]
+            if judged:
+                far = max(judged, key=_mean)
+                out.append(
+                    f"{row}: mean deviation at most {percent(_mean(far))}, "
+                    f"of {far.sphere.picture} at r = {far.sphere.r:g}"
+                )
+        return out
+
+
+def _mean(one: Rendered) -> float:
+    return 0.0 if one.verdict is None else one.verdict.mean
+
 
 def run_furnace(
     path: str | Path,
     results: str | Path = "results",
     *,
+    progress: Progress | None = None,
     told: Callable[[str], object] = lambda text: None,
-    advance: Callable[[int, int], object] = lambda done, total: None,
 ) -> FurnaceRun:
     """Render the furnace of a config file and write `furnace.csv`, `furnace.md` and one PNG a picture.
 
     Args:
         path: the TOML file (`ecfit.config.furnace`).
         results: folder of all results; small tables are shared in `results/tables`.
-        told: is told in words what begins.
-        advance: is told how many spheres of how many are done.
+        progress: told what is tabulated and rendered.
+        told: told in words what else there is to know.
 
-    What is finished is kept: running again resumes. Raises `EcfitError` for faults in the file, unknown names,
-    and where Mitsuba is not installed.
+    What is finished is kept: running again resumes. Raises `EcfitError` for faults in the file, unknown
+    names, and where Mitsuba is not installed.
     """
     config = read_furnace(path)
     variant = choose()
     if variant.remark:
         told(variant.remark)
     folder = make_folder(Path(results) / config.name)
-    planned = spheres(config, Albedos(config, Path(results) / "tables", told))
+    tell = progress or Progress()
+    planned = spheres(config, Albedos(config, Path(results), tell))
     missing = [s for s in planned if not _file(folder, s, variant).exists()]
-    told(f"{len(missing)} of {len(planned)} spheres to render by {variant.name}")
     if missing:
-        done = len(planned) - len(missing)
-        _render(missing, folder, variant, lambda number: advance(done + number, len(planned)))
+        with tell.stage(f"spheres ({variant.name})", len(missing)) as advance:
+            _render(missing, folder, variant, advance)
     rendered = [_read(folder, sphere, variant) for sphere in planned]
     _write(config, folder, rendered)
     return FurnaceRun(folder, rendered, len(missing))
@@ -106,7 +124,7 @@ def _file(folder: Path, sphere: Sphere, variant: Variant) -> Path:
 
 
 def _render(
-    missing: Sequence[Sphere], folder: Path, variant: Variant, finished: Callable[[int], object]
+    missing: Sequence[Sphere], folder: Path, variant: Variant, advance: Callable[[int], object]
 ) -> None:
     """Have all spheres rendered by another process."""
     renders = make_folder(folder / "renders")
@@ -123,8 +141,8 @@ def _render(
         ) as process:
             assert process.stdout is not None
             assert process.stderr is not None
-            for count, _ in enumerate(process.stdout, 1):
-                finished(count)
+            for _ in process.stdout:
+                advance(1)
             errors = process.stderr.read()
     if process.returncode:
         why = errors.strip().splitlines()[-1:] or [f"exit code {process.returncode}"]
@@ -160,7 +178,15 @@ def summary(rendered: Sequence[Rendered]) -> str:
         if found is None:
             continue
         ior = "" if sphere.ior is None else f"{sphere.ior:g}"
-        numbers = (found.mean, found.worst, found.worst_mu, found.energy, found.noise, found.worst_noise, found.rest)
+        numbers = (
+            found.mean,
+            found.worst,
+            found.worst_mu,
+            found.energy,
+            found.noise,
+            found.worst_noise,
+            found.rest,
+        )
         writer.writerow(
             [
                 sphere.material, ior, f"{sphere.r:g}", sphere.row, sphere.approximations,
@@ -170,6 +196,3 @@ def summary(rendered: Sequence[Rendered]) -> str:
             ]
         )  # fmt: skip
     return out.getvalue()
-
-
-__all__ = ["COLUMNS", "SLOW", "FurnaceRun", "Rendered", "run_furnace", "summary"]

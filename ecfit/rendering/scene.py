@@ -42,7 +42,9 @@ def bind(albedo: AlbedoCode) -> Albedo:
     def interpolated(mu: Any) -> Any:
         inner = mi.Float(nodes[1:-1])
         cell = dr.binary_search(0, len(nodes) - 2, lambda i: dr.gather(mi.Float, inner, i) <= mu)
-        return dr.gather(mi.Float, y, cell) + (mu - dr.gather(mi.Float, x, cell)) * dr.gather(mi.Float, s, cell)
+        return dr.gather(mi.Float, y, cell) + (mu - dr.gather(mi.Float, x, cell)) * dr.gather(
+            mi.Float, s, cell
+        )
 
     return interpolated
 
@@ -88,7 +90,9 @@ def render(sphere: Sphere) -> Mapping[str, np.ndarray]:
     `value` (light), `variance` (of value, from the scatter of the seeds), `mu` and `rest`.
     """
     scene, count = _scene(sphere), sphere.samples // sphere.seeds
-    images = [np.array(mi.render(scene, spp=count, seed=seed), dtype=np.float64) for seed in range(sphere.seeds)]
+    images = [
+        np.array(mi.render(scene, spp=count, seed=seed), dtype=np.float64) for seed in range(sphere.seeds)
+    ]
     if sphere.light != "constant":
         return {"picture": np.mean(images, axis=0).astype(np.float32)}
     stack = np.stack(images)[..., -len(CHANNELS) :]

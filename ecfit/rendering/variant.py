@@ -1,4 +1,4 @@
-"""Which of Mitsuba's variants to render with: the one that compiles by LLVM where it runs, else the scalar one."""
+"""Which of Mitsuba's variants to render with: compiled by LLVM where that runs, else the scalar one."""
 
 import os
 import re
@@ -15,8 +15,16 @@ FAST, SLOW = "llvm_ad_rgb", "scalar_rgb"
 LIBRARY = "DRJIT_LIBLLVM_PATH"
 # Dr.Jit 1.x aborts the process with LLVM 15 and 16, and does not start with older ones.
 _OLDEST = 17
-_FOLDERS = ("/usr/lib", "/usr/lib64", "/usr/local/lib", "/opt/homebrew/opt/llvm/lib", "/usr/local/opt/llvm/lib")
-_PROBE = "import mitsuba, drjit; mitsuba.set_variant('llvm_ad_rgb'); print(int(drjit.sum(mitsuba.Float(1, 2))[0]))"
+_FOLDERS = (
+    "/usr/lib",
+    "/usr/lib64",
+    "/usr/local/lib",
+    "/opt/homebrew/opt/llvm/lib",
+    "/usr/local/opt/llvm/lib",
+)
+_PROBE = (
+    "import mitsuba, drjit; mitsuba.set_variant('llvm_ad_rgb'); print(int(drjit.sum(mitsuba.Float(1, 2))[0]))"
+)
 
 
 @dataclass(frozen=True)

@@ -43,7 +43,8 @@ def verdict(arrays: Mapping[str, np.ndarray]) -> Verdict:
     is sqrt(max(d^2 - s^2, 0)).
     """
     inside, value, variance, mu, rest = (
-        np.asarray(arrays[name], dtype=np.float64).ravel() for name in ("inside", "value", "variance", "mu", "rest")
+        np.asarray(arrays[name], dtype=np.float64).ravel()
+        for name in ("inside", "value", "variance", "mu", "rest")
     )
     seen = inside > 0.0
     place = np.clip(((mu[seen] - LEAST_MU) / (1.0 - LEAST_MU) * RINGS).astype(int), 0, RINGS - 1)

@@ -1,8 +1,8 @@
 """The process that renders: `python -m ecfit.rendering.worker VARIANT SPHERES FOLDER`.
 
-Apart from the rest because a wrong LLVM ends the process, and because Mitsuba's classes belong to one variant.
-SPHERES is a JSON list of spheres; each picture is a file of FOLDER named after the sphere's key, and what is
-finished is told by a line of its number.
+Apart from the rest because a wrong LLVM ends the process, and because Mitsuba's classes belong to one
+variant. SPHERES is a JSON list of spheres; each picture is a file of FOLDER named after the sphere's key, and
+what is finished is told by a line of its number.
 """
 
 import io
