@@ -6,11 +6,10 @@ To be imported after `mitsuba.set_variant`.
 from typing import Any
 
 from ecfit.rendering._mitsuba import mitsuba
+from ecfit.rendering.verdict import LEAST_MU
 
 mi, dr = mitsuba()
 
-# Pixels are judged where mu is at least this: at the very edge of a sphere one pixel spans all of the rest.
-LEAST_MU = 0.1
 CHANNELS = ("inside", "light", "mu", "rest")
 
 

@@ -1,8 +1,8 @@
 """The furnace of a config without a renderer: one scattering of each material, integrated over all light.
 
-A sphere of metal or plastic scatters light once, so that its picture and these numbers must agree. Light inside
-glass is scattered many times, and what each scattering adds or loses adds up: here both sides of its surface
-stand alone.
+A sphere of metal or plastic scatters light once, so that its picture and these numbers must agree. Light
+inside glass is scattered many times, and what each scattering adds or loses adds up: here both sides of its
+surface stand alone.
 """
 
 import csv
@@ -69,9 +69,8 @@ class Numerical:
             far = max((s for s in self.scatterings if s.row == row), key=lambda s: s.mean)
             ior = "" if far.ior is None else f", ior = {far.ior:g}"
             side = f", {far.side}" if far.side else ""
-            out.append(
-                f"{row}: mean deviation at most {percent(far.mean)}, of {far.material}{ior}{side}, r = {far.r:g}"
-            )
+            place = f"{far.material}{ior}{side}, r = {far.r:g}"
+            out.append(f"{row}: mean deviation at most {percent(far.mean)}, of {place}")
         return out
 
 

@@ -8,6 +8,7 @@ import numpy as np
 # Rings of equal width in mu from LEAST_MU to 1: the picture depends on mu alone, so a ring's mean has less
 # noise than its pixels.
 RINGS = 18
+# At the very edge of a sphere one pixel spans all that is left of mu.
 LEAST_MU = 0.1
 
 
