@@ -49,7 +49,7 @@ class RowConfig(_Section):
 
 
 class MaterialConfig(_Section):
-    """One material: a picture for each index of refraction."""
+    """One material: a picture for each index of refraction. Several may share a name where these differ."""
 
     name: Annotated[Word, Field(description="of its pictures")]
     model: Annotated[
@@ -74,6 +74,10 @@ class MaterialConfig(_Section):
     ] = None
     pixels: Annotated[Pixels | None, Field(description="instead of the furnace's")] = None
     samples: Annotated[Samples | None, Field(description="instead of the furnace's")] = None
+
+    def picture(self, ior: float | None) -> str:
+        """The plain word that names the picture of one index of refraction."""
+        return self.name if ior is None else f"{self.name}-ior-{ior:g}"
 
     @model_validator(mode="after")
     def _belongs(self) -> "MaterialConfig":
@@ -123,11 +127,16 @@ def read_furnace(path: str | Path) -> FurnaceConfig:
 def _cross_check(config: FurnaceConfig) -> list[Fault]:
     """Faults between sections: names used twice, rows that lack what a material needs."""
     faults: list[Fault] = []
-    for section in ("rows", "materials"):
-        names = [item.name for item in getattr(config, section)]
-        for i, name in enumerate(names):
-            if name in names[:i]:
-                faults.append(((section, i, "name"), f"the name '{name}' is used twice"))
+    names = [row.name for row in config.rows]
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            faults.append((("rows", i, "name"), f"the name '{name}' is used twice"))
+    taken: set[str] = set()
+    for i, material in enumerate(config.materials):
+        for picture in map(material.picture, material.ior or [None]):
+            if picture in taken:
+                faults.append((("materials", i, "name"), f"two materials make the picture '{picture}'"))
+            taken.add(picture)
     for i, row in enumerate(config.rows):
         if row.table is not None or not row.compensates:
             continue

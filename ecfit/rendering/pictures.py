@@ -1,12 +1,14 @@
 """Pictures of spheres, rows of compensation and columns of roughness, as PNG files."""
 
 import io
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from PIL import Image
 
 from ecfit.rendering.plan import Sphere
 from ecfit.rendering.verdict import Verdict
@@ -20,7 +22,8 @@ _WHITE = 0.60
 _PAPER = 0.88
 # Inches of a sphere, of the text below it and of the margins; pixels an inch.
 _SIZE, _TEXT, _LEFT, _TOP, _DPI = 0.98, 0.30, 1.15, 0.42, 120
-_COLOURS = 128
+# Of a picture's palette.
+_COLOURS = 256
 
 
 class RenderedLike(Protocol):
@@ -40,7 +43,7 @@ def furnace_picture(rendered: Sequence[RenderedLike], rows: Sequence[str], r: Se
     def shown(one: RenderedLike) -> np.ndarray:
         return np.repeat(_srgb(one.picture[..., :1] * _WHITE), 3, axis=-1)
 
-    figure = _grid(rendered, rows, r, shown, _TEXT, str(_srgb(np.array(_WHITE))))
+    figure = _grid(rendered, rows, r, shown, _TEXT)
     return _png(figure)
 
 
@@ -51,7 +54,7 @@ def colour_picture(rendered: Sequence[RenderedLike], rows: Sequence[str], r: Seq
         colour, coverage = one.picture[..., :3], np.clip(one.picture[..., 3:], 0.0, 1.0)
         return _srgb(_tone(colour) + (1.0 - coverage) * _PAPER)
 
-    return _png(_grid(rendered, rows, r, shown, 0.04, str(_srgb(np.array(_PAPER)))))
+    return _png(_grid(rendered, rows, r, shown, 0.04))
 
 
 def _tone(light: np.ndarray) -> np.ndarray:
@@ -68,21 +71,26 @@ def _srgb(linear: np.ndarray) -> np.ndarray:
 
 
 def percent(value: float) -> str:
-    """A deviation with three digits at most: 12.3%, 1.23%, 0.12%, 0.01%."""
+    """A deviation with three digits at most: 12.3%, 1.23%, 0.12%, 0.01%; beyond all measure: > 1000%."""
+    if not value < 10.0:
+        return "> 1000%"
     return f"{100.0 * value:.1f}%" if value >= 0.1 else f"{100.0 * value:.2f}%"
 
 
-def _grid(rendered, rows, r, shown, text: float, background: str) -> Figure:
+def _grid(
+    rendered: Sequence[RenderedLike],
+    rows: Sequence[str],
+    r: Sequence[float],
+    shown: Callable[[RenderedLike], np.ndarray],
+    text: float,
+) -> Figure:
     width, height = _LEFT + _SIZE * len(r), _TOP + (_SIZE + text) * len(rows) + 0.06
     places = {(one.sphere.row, one.sphere.r): one for one in rendered}
     with look():
         figure = Figure(figsize=(width, height), dpi=_DPI)
         for i, row in enumerate(rows):
             bottom = 1.0 - (_TOP + (_SIZE + text) * i + _SIZE) / height
-            used = places[row, r[0]].sphere.approximations
-            figure.text(
-                0.06 / width, bottom + 0.5 * _SIZE / height, _label(row, used), va="center", fontsize=7.5
-            )
+            figure.text(0.06 / width, bottom + 0.5 * _SIZE / height, _label(row), va="center", fontsize=7.5)
             for j, value in enumerate(r):
                 one = places[row, value]
                 left = (_LEFT + _SIZE * j) / width
@@ -98,24 +106,19 @@ def _grid(rendered, rows, r, shown, text: float, background: str) -> Figure:
     return figure
 
 
-def _label(row: str, approximations: str) -> str:
-    """A row's name and what it uses, in short lines."""
-    import textwrap
-
-    lines = textwrap.wrap(row, 16, break_long_words=False)
-    return "\n".join(lines)
+def _label(row: str) -> str:
+    """A row's name in short lines."""
+    return "\n".join(textwrap.wrap(row, 16, break_long_words=False))
 
 
 def _png(figure: Figure) -> bytes:
     """The figure with a palette: a third of the size; flat areas and greys stay exact."""
-    from PIL import Image
-
     buffer = io.BytesIO()
     with look():
         figure.savefig(buffer, format="png", dpi=_DPI, metadata={"Software": None})
     image = Image.open(buffer).convert("RGB")
     small = io.BytesIO()
-    image.quantize(256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(
+    image.quantize(_COLOURS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(
         small, "PNG", optimize=True
     )
     return small.getvalue()

@@ -68,7 +68,7 @@ class Sphere:
 
     @property
     def picture(self) -> str:
-        """The plain word that names the picture with this sphere."""
+        """The plain word that names the picture with this sphere (`MaterialConfig.picture`)."""
         return self.material if self.ior is None else f"{self.material}-ior-{self.ior:g}"
 
     @property
