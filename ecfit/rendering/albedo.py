@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,11 @@ def arguments(approximation: Approximation, r: float, ior: float | None) -> dict
     others = [v for v in approximation.variables if v != "mu"]
     given: dict[str, Any] = {"r": r} if len(others) == 1 else {"r": r, "ior": ior}
     return {name: float(value) for name, value in resolve(others, given).items()}
+
+
+@cache  # of the few approximations of a config, for its many spheres
+def _text(approximation: Approximation) -> str:
+    return code(approximation, "python", name="E")
 
 
 @dataclass(frozen=True)
@@ -42,7 +48,7 @@ class AlbedoCode:
         fixed = arguments(approximation, r, ior)
         formula = approximation.formula
         if not isinstance(formula, Lookup):
-            return cls(approximation.name, code(approximation, "python", name="E"), fixed)
+            return cls(approximation.name, _text(approximation), fixed)
         place = approximation.variables.index("mu")
         ends, map_ = formula.ranges[place], MAPS[formula.through[place]]
         nodes = map_.forward(np.linspace(*map(map_.inverse, ends), formula.grid.shape[place]))

@@ -105,6 +105,7 @@ class Albedos:
     def __init__(self, config: FurnaceConfig, results: Path, progress: Progress) -> None:
         self._results, self._progress = results, progress
         self._iors = [i for m in config.materials if m.model == "dielectric" for i in m.ior or ()]
+        self._fits: dict[str, Approximation] = {}
         self._found: dict[tuple[str, int], Approximation] = {}
 
     def of(self, row: RowConfig, role: str, ior: float | None) -> Approximation:
@@ -114,7 +115,7 @@ class Albedos:
         """
         if row.table is not None:
             return self._lookup(role, row.table)
-        choices = [find(name) for name in getattr(row, role)]
+        choices = [self._named(name) for name in getattr(row, role)]
         for choice in choices:
             claimed, wanted = choice.contract, TABLES[role]
             side = wanted[1].get("side")
@@ -124,6 +125,11 @@ class Albedos:
                     f"{claimed.options.get('side', '')}, but {role} means {' '.join((wanted[0], side or ''))}"
                 )
         return next((choice for choice in choices if holds(choice, ior)), choices[-1])
+
+    def _named(self, name: str) -> Approximation:
+        if name not in self._fits:
+            self._fits[name] = find(name)
+        return self._fits[name]
 
     def _lookup(self, role: str, count: int) -> Approximation:
         if (role, count) not in self._found:
