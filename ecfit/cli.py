@@ -522,7 +522,7 @@ def _pictures(config: Path, results: Path, numerical: bool) -> None:
         done = run_numerical(config, results, progress=_bars())
         print("\n".join([*done.describe(), f"written: {done.file}"]))
         return
-    from ecfit.rendering import run_furnace
+    from ecfit.rendering.run import run_furnace
 
     found = run_furnace(config, results, progress=_bars(), told=_say)
     print("\n".join(found.describe()))

@@ -1,5 +1,5 @@
-"""The white furnace, and materials to look at, as pictures: spheres rendered by Mitsuba 3."""
+"""The white furnace, and materials to look at, as pictures: spheres rendered by Mitsuba 3.
 
-from ecfit.rendering.run import run_furnace as run_furnace
-from ecfit.rendering.verdict import Verdict as Verdict
-from ecfit.rendering.verdict import verdict as verdict
+`ecfit.rendering.run.run_furnace` renders a config, `ecfit.rendering.numerical.run_numerical` integrates it.
+Nothing is imported here: the process that renders has no use for JAX.
+"""

@@ -1,7 +1,5 @@
 """An approximation of E as a renderer has it: exported code, or the nodes of a table, in single precision."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
@@ -10,6 +8,7 @@ import numpy as np
 from ecfit.approximation import Approximation, Lookup
 from ecfit.coordinates import MAPS, resolve
 from ecfit.export import code
+from ecfit.rendering.sphere import AlbedoCode
 
 
 def arguments(approximation: Approximation, r: float, ior: float | None) -> dict[str, float]:
@@ -24,33 +23,14 @@ def _text(approximation: Approximation) -> str:
     return code(approximation, "python", name="E")
 
 
-@dataclass(frozen=True)
-class AlbedoCode:
-    """E(mu) at one roughness and index of refraction, as plain data.
-
-    Attributes:
-        name: of the approximation.
-        text: exported Python code of a function `E`; "" for a table.
-        fixed: the function's other arguments.
-        nodes, values: E at nodes of mu, linear in between; () for code. (A multilinear look-up is linear
-            between values that are interpolated in all other coordinates first.)
-    """
-
-    name: str
-    text: str = ""
-    fixed: Mapping[str, float] = field(default_factory=dict)
-    nodes: tuple[float, ...] = ()
-    values: tuple[float, ...] = ()
-
-    @classmethod
-    def of(cls, approximation: Approximation, r: float, ior: float | None) -> "AlbedoCode":
-        """An approximation of mu, roughness and perhaps ior at one r and ior."""
-        fixed = arguments(approximation, r, ior)
-        formula = approximation.formula
-        if not isinstance(formula, Lookup):
-            return cls(approximation.name, _text(approximation), fixed)
-        place = approximation.variables.index("mu")
-        ends, map_ = formula.ranges[place], MAPS[formula.through[place]]
-        nodes = map_.forward(np.linspace(*map(map_.inverse, ends), formula.grid.shape[place]))
-        values = np.asarray(approximation(mu=nodes, **fixed))
-        return cls(approximation.name, nodes=tuple(nodes.tolist()), values=tuple(values.tolist()))
+def albedo_code(approximation: Approximation, r: float, ior: float | None) -> AlbedoCode:
+    """An approximation of mu, roughness and perhaps ior at one r and ior, as plain data."""
+    fixed = arguments(approximation, r, ior)
+    formula = approximation.formula
+    if not isinstance(formula, Lookup):
+        return AlbedoCode(approximation.name, _text(approximation), fixed)
+    place = approximation.variables.index("mu")
+    ends, map_ = formula.ranges[place], MAPS[formula.through[place]]
+    nodes = map_.forward(np.linspace(*map(map_.inverse, ends), formula.grid.shape[place]))
+    values = np.asarray(approximation(mu=nodes, **fixed))
+    return AlbedoCode(approximation.name, nodes=tuple(nodes.tolist()), values=tuple(values.tolist()))

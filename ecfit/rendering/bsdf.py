@@ -10,7 +10,6 @@ To be imported after `mitsuba.set_variant`: the classes derive from those of the
 from collections.abc import Callable
 from typing import Any
 
-from ecfit.compensation.formulas import turquin_factor
 from ecfit.rendering._mitsuba import mitsuba
 
 mi, dr = mitsuba()
@@ -18,6 +17,11 @@ mi, dr = mitsuba()
 Array = Any
 # mu in [0, 1] -> E, at one alpha and one ior.
 Albedo = Callable[[Array], Array]
+
+
+def turquin_factor(E: Array, F0: Array = 1.0) -> Array:
+    """1 + F0 (1 - E) / E, as `ecfit.compensation.turquin_factor`, whose package loads JAX."""
+    return 1.0 + F0 * (1.0 - E) / E
 
 
 def _one(mu: Array) -> Array:
@@ -206,7 +210,7 @@ def make(sphere: Any, albedos: dict[str, Albedo]) -> Any:
     """The BSDF of a sphere.
 
     Args:
-        sphere: model, alpha, ior, eta, k and rho (`ecfit.rendering.plan.Sphere`).
+        sphere: model, alpha, ior, eta, k and rho (`ecfit.rendering.sphere.Sphere`).
         albedos: role -> E(mu); empty for the uncompensated material.
     """
     alpha, ior = sphere.alpha, sphere.ior

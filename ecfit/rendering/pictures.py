@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
-from ecfit.rendering.plan import Sphere
+from ecfit.rendering.sphere import Sphere
 from ecfit.rendering.verdict import Verdict
 from ecfit.report.style import look
 

@@ -1,11 +1,7 @@
 """From the config of a furnace to its spheres: names resolved, small tables computed, nothing rendered."""
 
-import hashlib
-import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 from ecfit.approximation import Approximation, find
 from ecfit.approximation.tables import as_lookup
@@ -13,12 +9,10 @@ from ecfit.bsdf import model
 from ecfit.config.furnace import NEEDS, FurnaceConfig, MaterialConfig, RowConfig
 from ecfit.coordinates import Axis, resolve, viewed
 from ecfit.errors import EcfitError
-from ecfit.rendering.albedo import AlbedoCode
+from ecfit.rendering.albedo import albedo_code
+from ecfit.rendering.sphere import Sphere, joined
 from ecfit.study.runner import Progress, stored_table
 from ecfit.tables import Request
-
-# To be changed when pictures of the same config change.
-RENDERING_VERSION = 1
 
 # Absolute errors of small tables: far below those of interpolation between 32 nodes.
 _TOLERANCE = 1e-6
@@ -30,67 +24,6 @@ TABLES: dict[str, tuple[str, dict[str, str], tuple[str, ...]]] = {
     "entering": ("dielectric", {"side": "entering"}, ("F0", "r", "mu")),
     "leaving": ("dielectric", {"side": "leaving"}, ("F0", "r", "mu")),
 }
-
-
-@dataclass(frozen=True)
-class Sphere:
-    """One sphere to render: all that its picture depends on, as plain data.
-
-    Attributes:
-        material, row: names in the config.
-        model, r, ior, eta, k, rho, light: of the material.
-        albedos: role -> the code or table that stands for E; empty where nothing is compensated.
-        outside: roles whose approximation is used outside its domain.
-        pixels, samples, seeds, candidates, depth: of the config.
-    """
-
-    material: str
-    row: str
-    model: str
-    light: str
-    r: float
-    ior: float | None
-    eta: tuple[float, ...] | None
-    k: tuple[float, ...] | None
-    rho: tuple[float, ...]
-    albedos: Mapping[str, AlbedoCode]
-    outside: tuple[str, ...]
-    pixels: int
-    samples: int
-    seeds: int
-    candidates: int
-    depth: int
-
-    @property
-    def alpha(self) -> float:
-        """GGX width."""
-        return resolve(["alpha"], {"r": self.r})["alpha"]
-
-    @property
-    def picture(self) -> str:
-        """The plain word that names the picture with this sphere (`MaterialConfig.picture`)."""
-        return self.material if self.ior is None else f"{self.material}-ior-{self.ior:g}"
-
-    @property
-    def approximations(self) -> str:
-        """Names of what stands for E, for people; those outside their domain have a star."""
-        return _joined({role: a.name for role, a in self.albedos.items()}, self.outside)
-
-    def to_dict(self) -> dict[str, Any]:
-        """A JSON-ready dictionary that `from_dict` reads back."""
-        return asdict(self)
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> "Sphere":
-        """The inverse of `to_dict`."""
-        colours = {key: None if data[key] is None else tuple(data[key]) for key in ("eta", "k", "rho")}
-        albedos = {role: AlbedoCode(**fields) for role, fields in data["albedos"].items()}
-        return cls(**{**data, **colours, "albedos": albedos, "outside": tuple(data["outside"])})
-
-    def key(self, variant: str) -> str:
-        """A hash of all that the picture depends on."""
-        text = json.dumps([RENDERING_VERSION, variant, self.to_dict()], sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()[:20]
 
 
 class Albedos:
@@ -153,10 +86,6 @@ class Albedos:
         return Axis.spaced(name, count, low, high)
 
 
-def _joined(names: Mapping[str, str], outside: tuple[str, ...]) -> str:
-    return " + ".join(f"{name}*" if role in outside else name for role, name in names.items())
-
-
 def beyond(used: Mapping[str, Approximation], ior: float | None) -> tuple[str, ...]:
     """The roles whose approximation is used outside its domain."""
     return tuple(role for role, found in used.items() if not holds(found, ior))
@@ -164,7 +93,7 @@ def beyond(used: Mapping[str, Approximation], ior: float | None) -> tuple[str, .
 
 def starred(used: Mapping[str, Approximation], ior: float | None) -> str:
     """Names for people; those outside their domain have a star."""
-    return _joined({role: found.name for role, found in used.items()}, beyond(used, ior))
+    return joined({role: found.name for role, found in used.items()}, beyond(used, ior))
 
 
 def holds(approximation: Approximation, ior: float | None) -> bool:
@@ -208,7 +137,7 @@ def _sphere(
         eta=None if material.eta is None else tuple(material.eta),
         k=None if material.k is None else tuple(material.k),
         rho=tuple(material.rho or (1.0, 1.0, 1.0)),
-        albedos={role: AlbedoCode.of(found, r, ior) for role, found in used.items()},
+        albedos={role: albedo_code(found, r, ior) for role, found in used.items()},
         outside=beyond(used, ior),
         pixels=material.pixels or config.pixels,
         samples=material.samples or config.samples,

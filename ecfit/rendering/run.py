@@ -18,7 +18,8 @@ from ecfit.errors import EcfitError
 from ecfit.files import make_folder, write_text
 from ecfit.rendering.page import page
 from ecfit.rendering.pictures import colour_picture, furnace_picture, percent
-from ecfit.rendering.plan import Albedos, Sphere, spheres
+from ecfit.rendering.plan import Albedos, spheres
+from ecfit.rendering.sphere import Sphere
 from ecfit.rendering.variant import Variant, choose
 from ecfit.rendering.verdict import Verdict, verdict
 from ecfit.study.runner import Progress

@@ -10,11 +10,10 @@ import numpy as np
 
 from ecfit.rendering import integrator as integrator  # registers the furnace's plugin
 from ecfit.rendering._mitsuba import mitsuba
-from ecfit.rendering.albedo import AlbedoCode
 from ecfit.rendering.bsdf import Albedo, make
 from ecfit.rendering.environment import studio
 from ecfit.rendering.integrator import CHANNELS
-from ecfit.rendering.plan import Sphere
+from ecfit.rendering.sphere import AlbedoCode, Sphere
 
 mi, dr = mitsuba()
 

@@ -1,6 +1,6 @@
 """The process that renders: `python -m ecfit.rendering.worker VARIANT SPHERES FOLDER`.
 
-Apart from the rest because a wrong LLVM ends the process, and because Mitsuba's classes belong to one
+Apart from the rest, and without JAX: a wrong LLVM ends the process, and Mitsuba's classes belong to one
 variant. SPHERES is a JSON list of spheres; each picture is a file of FOLDER named after the sphere's key, and
 what is finished is told by a line of its number.
 """
@@ -15,7 +15,7 @@ import numpy as np
 
 from ecfit.files import write_atomically
 from ecfit.rendering._mitsuba import mitsuba
-from ecfit.rendering.plan import Sphere
+from ecfit.rendering.sphere import Sphere
 
 
 def main(variant: str, spheres: str, folder: str) -> None:

@@ -14,10 +14,9 @@ import numpy as np
 
 mi.set_variant(sys.argv[1])
 
-from ecfit.rendering.albedo import AlbedoCode
 from ecfit.rendering.bsdf import make
-from ecfit.rendering.plan import Sphere
 from ecfit.rendering.scene import bind
+from ecfit.rendering.sphere import AlbedoCode, Sphere
 
 # Any functions of mu between 0 and 1 will do: the tests divide by the same.
 FIXED = AlbedoCode("line", nodes=(0.0, 0.25, 1.0), values=(0.5, 0.7, 0.9))
