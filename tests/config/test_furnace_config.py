@@ -32,7 +32,7 @@ def told(tmp_path: Path, old: str, new: str) -> str:
     return str(error.value).replace(str(path), "FILE")
 
 
-@pytest.mark.parametrize("name", ["furnace", "furnace-quick"])
+@pytest.mark.parametrize("name", ["furnace", "furnace-quick", "studio"])
 def test_shipped_files_are_valid(name):
     config = read_furnace(ROOT / "configs" / f"{name}.toml")
     assert config.name == name
