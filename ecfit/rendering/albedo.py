@@ -31,6 +31,7 @@ def albedo_code(approximation: Approximation, r: float, ior: float | None) -> Al
         return AlbedoCode(approximation.name, _text(approximation), fixed)
     place = approximation.variables.index("mu")
     ends, map_ = formula.ranges[place], MAPS[formula.through[place]]
-    nodes = map_.forward(np.linspace(*map(map_.inverse, ends), formula.grid.shape[place]))
+    low, high = (float(map_.inverse(end)) for end in ends)
+    nodes = map_.forward(np.linspace(low, high, formula.grid.shape[place]))
     values = np.asarray(approximation(mu=nodes, **fixed))
     return AlbedoCode(approximation.name, nodes=tuple(nodes.tolist()), values=tuple(values.tolist()))

@@ -10,6 +10,7 @@ import io
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -151,7 +152,7 @@ def _deviation(
 
     def true(role: str, transport: str = "energy") -> np.ndarray:
         name, options, coordinates = TABLES[role]
-        more = {"ior": ior} if "F0" in coordinates else {}
+        more: dict[str, Any] = {"ior": ior} if "F0" in coordinates else {}
         values = directional_albedo(
             model(name, **options), mu=mu[None, :], r=r[:, None], transport=transport, **more
         )
