@@ -10,12 +10,13 @@ from ecfit.rendering.pictures import percent
 def page(config: FurnaceConfig, pictures: Mapping[str, Sequence[Any]]) -> str:
     """Markdown text of all pictures, by stem of their files, and the numbers of their spheres."""
     out = [f"# {config.name}", ""]
-    out += [
-        "Spheres in a constant light of radiance 1: a surface that keeps all energy cannot be seen. Below "
-        "each, the mean and the worst deviation from 1 where mu >= 0.1, noise subtracted. All numbers: "
-        "[furnace.csv](furnace.csv).",
-        "",
-    ]
+    if any(members[0].verdict is not None for members in pictures.values()):
+        out += [
+            "Spheres in a constant light of radiance 1: a surface that keeps all energy cannot be seen. Below "
+            "each, the mean and the worst deviation from 1 where mu >= 0.1, noise subtracted. All numbers: "
+            "[furnace.csv](furnace.csv).",
+            "",
+        ]
     for stem, members in pictures.items():
         out += [f"## {stem}", "", f"![{stem}]({stem}.png)", ""]
         if members[0].verdict is not None:

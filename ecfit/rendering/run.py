@@ -165,7 +165,8 @@ def _write(config: FurnaceConfig, folder: Path, rendered: Sequence[Rendered]) ->
     for stem, members in pictures.items():
         draw = furnace_picture if members[0].verdict is not None else colour_picture
         (folder / f"{stem}.png").write_bytes(draw(members, rows, config.r))
-    write_text(folder / "furnace.csv", summary(rendered))
+    if any(one.verdict is not None for one in rendered):
+        write_text(folder / "furnace.csv", summary(rendered))
     write_text(folder / "furnace.md", page(config, pictures))
 
 
