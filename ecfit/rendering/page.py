@@ -13,8 +13,8 @@ def page(config: FurnaceConfig, pictures: Mapping[str, Sequence[Any]]) -> str:
     if any(members[0].verdict is not None for members in pictures.values()):
         out += [
             "Spheres in a constant light of radiance 1: a surface that keeps all energy cannot be seen. "
-            "Below each, the mean and the worst deviation from 1 where mu >= 0.1, noise subtracted. All numbers: "
-            "[furnace.csv](furnace.csv).",
+            "Below each, the mean and the worst deviation from 1 where mu >= 0.1, noise subtracted. "
+            "All numbers: [furnace.csv](furnace.csv).",
             "",
         ]
     for stem, members in pictures.items():
