@@ -64,11 +64,11 @@ def test_defaults(tmp_path):
         ('"conductor"\n', '"dielectric"\n', "give ior, but not for a conductor"),
         ('"conductor"\n', '"conductor"\neta = [1.0, 1.0, 1.0]\n', "eta and k go together"),
         ('"conductor"\n', '"conductor"\nrho = [1.0, 1.0, 1.0]\n', "rho belongs to the model 'glossy'"),
-        ('name = "fit"', 'name = "none"', "FILE:7: rows.name: the name 'none' is used twice"),
+        ('name = "fit"', 'name = "none"', "FILE:6: rows.name: the name 'none' is used twice"),
         (
             "[[materials]]",
             '[[materials]]\nname = "white"\nmodel = "conductor"\n[[materials]]',
-            "FILE:13: materials.name: two materials make the picture 'white'",
+            "FILE:12: materials.name: two materials make the picture 'white'",
         ),
         ("conductor = [", "table = 32\nconductor = [", "give either table or names of fits"),
         (
