@@ -497,7 +497,7 @@ def fit(
 def furnace(
     model: str,
     *,
-    axis: Axes,
+    axis: Axes = (),
     albedo: str | None = None,
     method: Literal["turquin", "kulla-conty"] = "turquin",
     option: Options = (),
@@ -505,13 +505,17 @@ def furnace(
     transport: str = "energy",
     tolerance: float = 1e-6,
     output: Path | None = None,
+    numerical: bool = False,
+    results: Path = Path("results"),
 ) -> None:
-    """Integrate a compensated model over all light: the numerical white furnace, which should give 1.
+    """The white furnace, which should give 1: rendered from a config, or a model integrated over all light.
 
     Parameters
     ----------
     model
-        A registered model: a white conductor, a dielectric, glossy (over a white diffuse base), your own.
+        The TOML file of a furnace, whose spheres Mitsuba 3 renders (configs/furnace.toml); or a registered
+        model, integrated on the grid of --axis: a white conductor, a dielectric, glossy (over a white diffuse
+        base), your own.
     albedo
         What compensates: a published fit or the JSON file of a fit; the exact integral by default.
     method
@@ -522,7 +526,15 @@ def furnace(
         Absolute error of each integral.
     output
         File for the table of integrals (NPZ).
+    numerical
+        Of a config: integrate one scattering of each material instead of rendering it. Models always are.
+    results
+        Of a config: folder of all results.
     """
+    if model.endswith(".toml"):
+        return _pictures(Path(model), results, numerical)
+    if not axis:
+        raise EcfitError("the furnace of a model needs --axis: for example --axis r=32 --axis mu=0.1:1:32")
     import ecfit
     from ecfit.approximation import find
     from ecfit.compensation import furnace_of
@@ -780,6 +792,24 @@ def list_(*, plugin: Plugins = ()) -> None:
     print("published fits")
     for name in published_names():
         print(f"  {name}: {published(name).source}")
+
+
+def _pictures(config: Path, results: Path, numerical: bool) -> None:
+    """`ecfit furnace CONFIG`."""
+    from ecfit.config.furnace import read_furnace
+
+    read_furnace(config)  # a fault in the file is told before JAX takes its second to load
+    if numerical:
+        from ecfit.rendering.numerical import run_numerical
+
+        done = run_numerical(config, results, progress=_bars())
+        print("\n".join([*done.describe(), f"written: {done.file}"]))
+        return
+    from ecfit.rendering.run import run_furnace
+
+    found = run_furnace(config, results, progress=_bars(), told=_say)
+    print("\n".join(found.describe()))
+    print(f"{found.computed} rendered, {len(found.rendered) - found.computed} found; page: {found.page}")
 
 
 def _settings(pairs: tuple[str, ...]) -> dict[str, Any]:

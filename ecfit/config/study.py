@@ -1,9 +1,9 @@
 """The sections of a study file, and what is wrong with one. Nothing here imports JAX."""
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
@@ -442,6 +442,21 @@ def read_config(path: str | Path) -> StudyConfig:
     Raises `EcfitError` with one line a fault: file, line, key, value, what is allowed, and what may have
     been meant.
     """
+    return read_checked(path, StudyConfig, _cross_check, "configs/quick.toml")
+
+
+# Where a fault is, and what it is.
+Fault = tuple[tuple[str | int, ...], str]
+Sections = TypeVar("Sections", bound=BaseModel)
+
+
+def read_checked(
+    path: str | Path, kind: type[Sections], cross_check: Callable[[Sections], list[Fault]], example: str
+) -> Sections:
+    """Read a TOML file as sections of a kind, with the faults that `cross_check` finds between them.
+
+    Raises `EcfitError` as `read_config` does.
+    """
     path = Path(path)
     text = read_text(path)
     try:
@@ -451,21 +466,21 @@ def read_config(path: str | Path) -> StudyConfig:
     except RecursionError:
         raise EcfitError(f"{path}: not valid TOML: nested too deeply") from None
     if not data:
-        raise EcfitError(f"{path}: the file is empty; see configs/quick.toml for an example")
+        raise EcfitError(f"{path}: the file is empty; see {example} for an example")
     try:
-        config = StudyConfig.model_validate(data)
+        config = kind.model_validate(data)
     except ValidationError as error:
-        raise EcfitError("\n".join(_messages(path, text, error))) from None
-    faults = _cross_check(config)
+        raise EcfitError("\n".join(_messages(path, text, error, kind))) from None
+    faults = cross_check(config)
     if faults:
         lines = key_lines(text)
         raise EcfitError("\n".join(f"{_where(path, lines, loc)}: {message}" for loc, message in faults))
     return config
 
 
-def _cross_check(config: StudyConfig) -> list[tuple[tuple[str | int, ...], str]]:
+def _cross_check(config: StudyConfig) -> list[Fault]:
     """Faults between sections: repeated table names, fits of tables that do not exist."""
-    faults: list[tuple[tuple[str | int, ...], str]] = []
+    faults: list[Fault] = []
     names = [t.name for t in config.tables]
     for i, name in enumerate(names):
         if name in names[:i]:
@@ -490,7 +505,7 @@ def _where(path: Path, lines: Mapping[tuple[str | int, ...], int], location: Seq
     return f"{path}{line}: {key}"
 
 
-def _messages(path: Path, text: str, error: ValidationError) -> list[str]:
+def _messages(path: Path, text: str, error: ValidationError, root: type[BaseModel]) -> list[str]:
     lines = key_lines(text)
     out: list[str] = []
     # A missing key is often a misspelt one: the misspelling, which says so, comes first.
@@ -499,7 +514,7 @@ def _messages(path: Path, text: str, error: ValidationError) -> list[str]:
         if fault["type"] == "missing":
             message = "this key is missing"
         elif fault["type"] == "extra_forbidden":
-            valid = _keys_at(location[:-1])
+            valid = _keys_at(root, location[:-1])
             message = (
                 f"unknown key: expected one of {', '.join(valid)}{did_you_mean(str(location[-1]), valid)}"
             )
@@ -524,9 +539,9 @@ def _plain(fault: Any) -> str:
     return message[0].lower() + message[1:]
 
 
-def _keys_at(location: Sequence[str | int]) -> list[str]:
-    """Allowed keys of the section at a location."""
-    section: Any = StudyConfig
+def _keys_at(root: type[BaseModel], location: Sequence[str | int]) -> list[str]:
+    """Allowed keys of the section of `root` at a location."""
+    section: Any = root
     for part in location:
         # Indices, and names of a dictionary's entries, lead to no other section.
         if isinstance(part, str) and part in section.model_fields:

@@ -164,9 +164,9 @@ def run(
     tell = progress or Progress()
     seconds: dict[str, float] = {}
     write_text(folder / "config.toml", to_toml(_resolved(checked, path.parent, folder)))
-    tables = {name: _table(r, name, root, seconds, tell) for name, r in plan.requests.items()}
+    tables = {name: stored_table(r, name, root, seconds, tell) for name, r in plan.requests.items()}
     lookups = {
-        name: [_table(r, f"{name} as {lookup_name(r.grid)}", root, seconds, tell) for r in requests]
+        name: [stored_table(r, f"{name} as {lookup_name(r.grid)}", root, seconds, tell) for r in requests]
         for name, requests in plan.lookups.items()
     }
     paths = {name: table_path(request, root) for name, request in plan.requests.items()}
@@ -232,10 +232,10 @@ def table_path(request: Request | Given, root: Path) -> Path:
     return root / "tables" / f"{request.key}.npz"
 
 
-def _table(
+def stored_table(
     request: Request | Given, name: str, root: Path, seconds: dict[str, float], tell: Progress
 ) -> Table:
-    """The table of a request, from disk where it is there; `name` is what progress and timings call it."""
+    """The table of a request, from `root` where it is there; `name` is what progress and timings call it."""
     path = table_path(request, root)
     if path.exists():
         try:
