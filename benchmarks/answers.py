@@ -144,15 +144,16 @@ def row(
 def table(truths: Truth, count: int) -> str:
     """All printed fits, in the order of the document."""
     data, rows = entries(), {name: [] for name in published.SECTIONS}
-    for group in published.groups():
+    for group in published.groups(lookups=False):
         points = group.points(min(count, published.FEWER.get(group.contract.quantity, count)))
-        members = [f for f in group.members if f.form != "lookup"]
         try:
             truth = published.integrals(truths, group.contract, points)
         except EcfitError:
-            lines = [(f"`{f.name}`", str(f.count), *("-",) * 10, data[f.name][0]["no"]) for f in members]
+            lines = [
+                (f"`{f.name}`", str(f.count), *("-",) * 10, data[f.name][0]["no"]) for f in group.members
+            ]
         else:
-            lines = [row(f, e, points, truth) for f in members for e in data.get(f.name, [{}])]
+            lines = [row(f, e, points, truth) for f in group.members for e in data.get(f.name, [{}])]
         rows[published.section(group.contract)] += lines
     return common.markdown(HEADER, [line for lines in rows.values() for line in lines])
 

@@ -69,7 +69,7 @@ class Group:
         )
 
 
-def groups() -> list[Group]:
+def groups(lookups: bool = True) -> list[Group]:
     """All published formulas, those of one truth together, and look-up tables of the conductor."""
     found: dict[str, Group] = {}
     for name in published_names():
@@ -84,7 +84,7 @@ def groups() -> list[Group]:
     for group in found.values():
         group.members.sort(key=lambda f: f.count)
         c = group.contract
-        if (c.model, c.quantity) == ("conductor", "directional-albedo") and not c.parameters:
+        if lookups and (c.model, c.quantity) == ("conductor", "directional-albedo") and not c.parameters:
             masking = c.options["masking"]
             for count, through in TABLES:
                 model = ecfit.model("conductor", masking=masking)
