@@ -379,9 +379,9 @@ def bound(quick: bool) -> str:
     and mu can only lower the error.
     """
     model = ecfit.model("microfacet-diffuse")
-    alphas, cosines = (0.03, 0.1, 0.2, 0.3, 0.5), (0.01, 0.03, 0.08, 0.2, 0.5)
+    alphas, cosines = (0.1, 0.3, 0.5, 0.75, 1.0), (0.01, 0.03, 0.1, 0.3, 0.7)
     axes = {
-        "alpha": np.array(alphas[1:4] if quick else alphas),
+        "alpha": np.array(alphas[3:] if quick else alphas),
         "mu": np.array(cosines[:2] if quick else cosines),
         "mu_i": Axis.spaced("mu_i", 13, 0.01, 1.0, "chebyshev"),
         "cos_phi": Axis.spaced("cos_phi", 9, spacing="chebyshev"),
@@ -401,8 +401,8 @@ def bound(quick: bool) -> str:
     (a, mu), worst = max(errors_.items(), key=lambda e: e[1])
     return (
         f"Whatever the ten numbers of eq. 8 outside its exponents are, the largest error is at least "
-        f"{number(worst)} (at alpha {a:g}, mu {mu:g}): proved by linear programs on {mu_i.size} directions of "
-        f"light at each of {len(errors_)} (alpha, mu)."
+        f"{number(worst)} (at alpha {a:g}, mu {mu:g}): proved by linear programs, on {mu_i.size} directions "
+        f"of light at each of {len(errors_)} (alpha, mu)."
     )
 
 
