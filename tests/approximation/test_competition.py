@@ -256,5 +256,6 @@ def test_a_fit_of_what_is_not_modelled_says_so():
     # As MaterialX evaluates it: at r = 0.5, mu = 0.3, by hand.
     s, m = 0.40655785 / 0.9490774, 0.5 * (-0.379943375) / 0.546391
     assert float(found(mu=0.3, r=0.5)) == pytest.approx(
-        np.exp(-0.5 * ((0.3 - m) / s) ** 2) / (s * np.sqrt(2.0 * np.pi)) + 0.5 * 0.020183373 / 0.552535, rel=1e-6
+        np.exp(-0.5 * ((0.3 - m) / s) ** 2) / (s * np.sqrt(2.0 * np.pi)) + 0.5 * 0.020183373 / 0.552535,
+        rel=1e-6,
     )
