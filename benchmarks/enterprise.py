@@ -6,7 +6,7 @@ Prints Markdown tables. Minutes on one core, most of it compilation.
 """
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import equinox as eqx
@@ -49,23 +49,37 @@ def _row(label: str, found: np.ndarray) -> str:
     return f"| {label} | {average:.4f} | {ends} |"
 
 
-def _head(first: str) -> None:
-    print(f"\n| {first} | average | least (mu) | largest (mu) |\n|---|---:|---:|---:|")
+def _show(title: str, rows: Iterable[tuple[str, np.ndarray]]) -> None:
+    """A table of albedos over MU, a line each, printed as they come."""
+    print(f"\n| {title} | average | least (mu) | largest (mu) |\n|---|---:|---:|---:|")
+    for label, found in rows:
+        print(_row(label, found), flush=True)
+
+
+def _over(
+    model: BSDF, name: str, values: Mapping[str, float], after: str = ""
+) -> Iterator[tuple[str, np.ndarray]]:
+    """(label, albedos over MU) of each value of a parameter."""
+    labels = (f"{label}{after}" for label in values)
+    yield from zip(labels, albedos(model, name, list(values.values())), strict=True)
+
+
+# Labels of the document's roughnesses r, and their GGX widths.
+ROUGHNESS = {f"r = {r}": r * r for r in (0.1, 0.6, 0.9)}
 
 
 def furnace_metallic(figures: Path | None) -> None:
     """The document's furnace: r = 0.1, 0.6, 0.9 and F0 = F90 = 1."""
-    roughness = [0.1, 0.6, 0.9]
-    _head("metallic, F0 = 1")
-    curves = {}
-    for energy, label in NAMES.items():
-        model = ecfit.model("enterprise-metallic", energy=energy, F0=1.0)
-        found = albedos(model, "alpha", [r * r for r in roughness])
-        for r, line in zip(roughness, found, strict=True):
-            print(_row(f"r = {r}, {label}", line))
-        curves[label] = found
+    rows = [
+        row
+        for energy, label in NAMES.items()
+        for row in _over(
+            ecfit.model("enterprise-metallic", energy=energy, F0=1.0), "alpha", ROUGHNESS, f", {label}"
+        )
+    ]
+    _show("metallic, F0 = 1", rows)
     if figures is not None:
-        _draw(figures / "enterprise-metallic-furnace.svg", curves, [f"r = {r}" for r in roughness])
+        _draw(figures / "enterprise-metallic-furnace.svg", rows, list(NAMES.values()), list(ROUGHNESS))
 
 
 def readings(figures: Path | None) -> None:
@@ -74,48 +88,50 @@ def readings(figures: Path | None) -> None:
     x, w = np.polynomial.legendre.leggauss(24)
     nodes = 0.5 * (x + 1.0)
     isotropic = ecfit.model("conductor", masking="height-correlated")
-    _head("metallic, F0 = 1, printed fits")
-    for r in (0.1, 0.6, 0.9):
-        for label, power in (("alpha", 2), ("r", 1), ("alpha^2", 4)):
-            a = r**power
-            truth = np.asarray(ecfit.directional_albedo(isotropic, r=r, mu=MU))
-            mean = float(w @ (nodes * np.asarray(fit(alpha=a, mu=nodes))))
-            lost = (1.0 - np.asarray(fit(alpha=a, mu=MU))) * (1.0 - mean)
-            print(_row(f"r = {r}, alpha_uv = {label}", truth + lost / (1.0 - float(average(alpha=a)))))
+
+    def furnace(alpha: float, read: float) -> np.ndarray:
+        truth = np.asarray(ecfit.directional_albedo(isotropic, alpha=alpha, mu=MU))
+        mean = float(w @ (nodes * np.asarray(fit(alpha=read, mu=nodes))))
+        lost = (1.0 - np.asarray(fit(alpha=read, mu=MU))) * (1.0 - mean)
+        return truth + lost / (1.0 - float(average(alpha=read)))
+
+    read_as = {"alpha": 1.0, "r": 0.5, "alpha^2": 2.0}
+    _show(
+        "metallic, F0 = 1, printed fits",
+        (
+            (f"{r}, alpha_uv = {label}", furnace(alpha, alpha**power))
+            for r, alpha in ROUGHNESS.items()
+            for label, power in read_as.items()
+        ),
+    )
 
 
 def furnace_opaque(figures: Path | None) -> None:
     """The document's furnace of the base: r = 0.5 and F0 = 0.04, 0.5, 0.9."""
-    f0 = [0.04, 0.5, 0.9]
-    ior = [(1.0 + x**0.5) / (1.0 - x**0.5) for x in f0]
-    _head("opaque, rho = 1, r = 0.5")
-    curves = {}
-    for energy, label in list(NAMES.items())[1:]:
-        model = ecfit.model("enterprise-opaque", energy=energy, alpha=0.25)
-        found = albedos(model, "ior", ior)
-        for x, line in zip(f0, found, strict=True):
-            print(_row(f"F0 = {x}, {label}", line))
-        curves[label] = found
+    ior = {f"F0 = {x}": (1.0 + x**0.5) / (1.0 - x**0.5) for x in (0.04, 0.5, 0.9)}
+    names = {energy: label for energy, label in NAMES.items() if energy != "none"}
+    rows = [
+        row
+        for energy, label in names.items()
+        for row in _over(
+            ecfit.model("enterprise-opaque", energy=energy, alpha=0.25), "ior", ior, f", {label}"
+        )
+    ]
+    _show("opaque, rho = 1, r = 0.5", rows)
     if figures is not None:
-        _draw(figures / "enterprise-opaque-furnace.svg", curves, [f"F0 = {x}" for x in f0])
+        _draw(figures / "enterprise-opaque-furnace.svg", rows, list(names.values()), list(ior))
 
 
 def furnace_sheen(figures: Path | None) -> None:
     """The base's sheen: b = 0, 0.3, 0.6, 1 over white, and the lobe M_b alone."""
-    widths = [0.0, 0.1, 0.3, 0.6, 1.0]
-    _head("opaque with sheen, rho = 1, r = 0.5, printed fits")
-    model = ecfit.model("enterprise-opaque", energy="printed", alpha=0.25)
-    for b, line in zip(widths, albedos(model, "b", widths), strict=True):
-        print(_row(f"b = {b}", line))
-    _head("M_b alone")
-    alone = ecfit.model("ashikhmin-sheen")
-    for b, line in zip(widths, albedos(alone, "b", widths), strict=True):
-        print(_row(f"b = {b}", line))
+    widths = {f"b = {b}": b for b in (0.0, 0.1, 0.3, 0.6, 1.0)}
+    over_white = ecfit.model("enterprise-opaque", energy="printed", alpha=0.25)
+    _show("opaque with sheen, rho = 1, r = 0.5, printed fits", _over(over_white, "b", widths))
+    _show("M_b alone", _over(ecfit.model("ashikhmin-sheen"), "b", widths))
 
 
 def furnace_core(figures: Path | None) -> None:
     """Transparent and mixed cores with exact albedos: what the model itself loses."""
-    roughness = [0.1, 0.6, 0.9]
     cases = {
         "thin, transparent": {"t": 1.0},
         "volumetric, transparent, from outside": {"t": 1.0, "kind": "volumetric"},
@@ -127,11 +143,14 @@ def furnace_core(figures: Path | None) -> None:
         "opaque, printed fits": {"energy": "printed"},
         "opaque, printed fits, clear coat of r = 0.3": {"coat": "clear", "energy": "printed"},
     }
-    _head("core, rho = 1, ior = 1.5")
-    for label, settings in cases.items():
-        model = ecfit.model("enterprise-pbr", **settings)
-        for r, line in zip(roughness, albedos(model, "alpha", [r * r for r in roughness]), strict=True):
-            print(_row(f"{label}, r = {r}", line))
+    _show(
+        "core, rho = 1, ior = 1.5",
+        (
+            (f"{label}, {r}", found)
+            for label, settings in cases.items()
+            for r, found in _over(ecfit.model("enterprise-pbr", **settings), "alpha", ROUGHNESS)
+        ),
+    )
 
 
 def anisotropy(figures: Path | None) -> None:
@@ -178,15 +197,17 @@ def _cell(error: np.ndarray) -> str:
     return f"{error.mean():.1e} / {error.max():.1e}"
 
 
-def _draw(path: Path, curves: dict[str, np.ndarray], titles: list[str]) -> None:
-    """Albedo against mu, a panel a setting, a line a source."""
-    colours = ("#999999", "#D55E00", "#0072B2", "#000000")
+def _draw(
+    path: Path, rows: Sequence[tuple[str, np.ndarray]], labels: Sequence[str], titles: Sequence[str]
+) -> None:
+    """Albedo against mu, a panel a setting, a line a source; rows are by source, then by setting."""
+    colours = ("#999999", "#D55E00", "#0072B2", "#000000")[-len(labels) :]
     with look():
         figure = Figure(figsize=(7.6, 2.5), layout="constrained")
         panels = np.atleast_1d(figure.subplots(1, len(titles), sharey=True))
         for i, (panel, title) in enumerate(zip(panels, titles, strict=True)):
-            for (label, found), colour in zip(curves.items(), colours[-len(curves) :], strict=True):
-                panel.plot(MU, found[i], color=colour, label=label, lw=1.2)
+            for (_, found), label, colour in zip(rows[i :: len(titles)], labels, colours, strict=True):
+                panel.plot(MU, found, color=colour, label=label, lw=1.2)
             panel.set_title(title)
             panel.set_xlabel("mu")
         panels[0].set_ylabel("white furnace: R + T")

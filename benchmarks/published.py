@@ -1,7 +1,7 @@
 """The tables of docs/published-fits.md: how far every published formula is from what it stands for.
 
     python benchmarks/published.py --cache .published             # on the screen; --quick: 300 points
-    python benchmarks/published.py --cache .published --write     # into the document, some minutes
+    python benchmarks/published.py --cache .published --write     # into the document: 5 CPU minutes
 
 The truth is integrated at random points off any grid, once for all formulas of one contract and domain.
 """
@@ -69,7 +69,7 @@ class Group:
         )
 
 
-def groups() -> list[Group]:
+def groups(lookups: bool = True) -> list[Group]:
     """All published formulas, those of one truth together, and look-up tables of the conductor."""
     found: dict[str, Group] = {}
     for name in published_names():
@@ -84,7 +84,7 @@ def groups() -> list[Group]:
     for group in found.values():
         group.members.sort(key=lambda f: f.count)
         c = group.contract
-        if (c.model, c.quantity) == ("conductor", "directional-albedo") and not c.parameters:
+        if lookups and (c.model, c.quantity) == ("conductor", "directional-albedo") and not c.parameters:
             masking = c.options["masking"]
             for count, through in TABLES:
                 model = ecfit.model("conductor", masking=masking)
@@ -109,7 +109,7 @@ def section(contract: Contract) -> str:
         return "Dielectrics and glossy layers"
     if contract.model.startswith("enterprise"):
         return "A layer with its multiple scattering"
-    return "Diffuse reflection"
+    return "Diffuse reflection and sheen"
 
 
 SECTIONS = (
@@ -120,7 +120,7 @@ SECTIONS = (
     "Dielectrics and glossy layers",
     "A layer with its multiple scattering",
     "Fresnel factors and their averages",
-    "Diffuse reflection",
+    "Diffuse reflection and sheen",
     "Multiple scattering: zonal moments and saturation",
 )
 
@@ -134,7 +134,8 @@ def what(contract: Contract) -> str:
         "zonal-moment": f"E_{contract.quantity_options.get('degree', 0):g}",
     }[contract.quantity]  # fmt: skip
     bare = contract.quantity in ("fresnel", "average-fresnel")
-    words = [f"{quantity} of {contract.model}"]
+    model = "a lobe that ecfit has not" if contract.model == "unknown" else contract.model
+    words = [f"{quantity} of {model}"]
     words += [] if bare else [options[n] for n in ("masking",) if n in options]
     words += [options[n] for n in ("side",) if n in options]
     fresnel = options.get("fresnel", "unit")

@@ -8,6 +8,7 @@ from ecfit.microfacet import (
     MASKINGS,
     NDFS,
     ConductorFresnel,
+    F82TintFresnel,
     Fresnel,
     SchlickFresnel,
     UnitFresnel,
@@ -30,24 +31,29 @@ class Conductor(BSDF):
     """
 
     alpha: Array = parameter(0.25, 0.0, 1.0, "GGX or Beckmann width; r = sqrt(alpha) is accepted too")
-    F0: Array = parameter(1.0, 0.0, 1.0, "reflectance at normal incidence (fresnel = schlick)")
+    F0: Array = parameter(1.0, 0.0, 1.0, "reflectance at normal incidence (fresnel = schlick, f82-tint)")
     F90: Array = parameter(1.0, 0.0, 1.0, "reflectance at grazing incidence (fresnel = schlick)")
+    tint: Array = parameter(1.0, 0.0, 1.0, "part of Schlick's factor at 82 degrees (fresnel = f82-tint)")
     eta: Array = parameter(0.2, 0.01, 20.0, "real part of the index of refraction (fresnel = exact)")
     k: Array = parameter(3.9, 0.0, 30.0, "imaginary part of the index of refraction (fresnel = exact)")
     ndf: str = option("ggx", tuple(NDFS), "distribution of normals")
     masking: str = option("separable", MASKINGS, "form of the masking-shadowing G2")
-    fresnel: str = option("unit", ("unit", "schlick", "exact"), "F = 1, Schlick, or complex index")
+    fresnel: str = option(
+        "unit", ("unit", "schlick", "f82-tint", "exact"), "F = 1, Schlick, F82 tint, or complex index"
+    )
 
-    fresnel_parameters = ("F0", "F90", "eta", "k")
+    fresnel_parameters = ("F0", "F90", "tint", "eta", "k")
 
     def active_parameters(self) -> tuple[str, ...]:
-        by_fresnel = {"unit": (), "schlick": ("F0", "F90"), "exact": ("eta", "k")}
-        return ("alpha", *by_fresnel[self.fresnel])
+        by_fresnel = {"schlick": ("F0", "F90"), "f82-tint": ("F0", "tint"), "exact": ("eta", "k")}
+        return ("alpha", *by_fresnel.get(self.fresnel, ()))
 
     def fresnel_factor(self) -> Fresnel:
         """F as a function of x = wo.h."""
         if self.fresnel == "schlick":
             return SchlickFresnel(self.F0, self.F90)
+        if self.fresnel == "f82-tint":
+            return F82TintFresnel(self.F0, self.tint)
         if self.fresnel == "exact":
             return ConductorFresnel(self.eta, self.k)
         return UnitFresnel()

@@ -4,10 +4,9 @@ from typing import ClassVar
 
 from ecfit._jax import jax, jnp
 from ecfit.bsdf import option, parameter, register
-from ecfit.enterprise.dielectric import HIGHEST_IOR, KINDS, Surface, normal_reflectance
+from ecfit.enterprise.dielectric import HIGHEST_IOR, KINDS, Boundary
 from ecfit.enterprise.energies import ENERGIES, ENERGY_DOC
 from ecfit.enterprise.lobes import Lobe, Specular, schlick
-from ecfit.enterprise.metallic import Lobes
 from ecfit.errors import EcfitError
 from ecfit.quadrature import Hemisphere, Measure, Total
 
@@ -18,7 +17,7 @@ _COAT_F0 = 0.04
 
 
 @register("enterprise-pbr")
-class EnterprisePBR(Lobes):
+class EnterprisePBR(Boundary):
     """Core, or Coated, of the Enterprise PBR Shading Model 2019x, isotropic and of one colour channel.
 
     blend = "merged" is the document's ThinCore or VolumetricCore, whose lobes share F_ms of the mixed F0 and
@@ -41,7 +40,6 @@ class EnterprisePBR(Lobes):
     coat: str = option("none", ("none", "clear"), "a clear coat on top")
     energy: str = option("exact", ENERGIES, ENERGY_DOC)
 
-    transmissive = True
     conserving: ClassVar[bool] = False
 
     def __check_init__(self) -> None:
@@ -54,19 +52,6 @@ class EnterprisePBR(Lobes):
     def active_parameters(self) -> tuple[str, ...]:
         coat = ("c", "alpha_c") if self.coat == "clear" else ()
         return ("alpha", "rho", "m", "t", "s", "ior", "rho_s", "b", *coat)
-
-    def surface(self) -> Surface:
-        """The dielectric part."""
-        leaving = self.kind == "volumetric" and self.side == "leaving"
-        f0 = normal_reflectance(self.ior) * self.rho_s
-        return Surface(self.alpha, self.ior, f0, self.s, self.energy, leaving)
-
-    def relative_ior(self) -> Array:
-        return jnp.ones_like(self.ior) if self.kind == "thin" else self.surface().eta
-
-    def albedo_kinks(self) -> Array:
-        surface = self.surface()
-        return surface.critical[None] if surface.leaving else jnp.zeros(0)
 
     def lobes(self) -> tuple[tuple[Array, Lobe], ...]:
         """Of the core, without the coat."""

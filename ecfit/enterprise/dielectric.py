@@ -118,6 +118,33 @@ _ALPHA = "GGX width; r = sqrt(alpha) is accepted too"
 _IOR = "index of refraction of the denser side; F0 is accepted"
 
 
+class Boundary(Lobes):
+    """A model with light on both sides: a sheet (`kind` is "thin"), or the boundary of a volume."""
+
+    alpha: eqx.AbstractVar[Array]
+    ior: eqx.AbstractVar[Array]
+    rho_s: eqx.AbstractVar[Array]
+    s: eqx.AbstractVar[Array]
+    kind: eqx.AbstractVar[str]
+    side: eqx.AbstractVar[str]
+    energy: eqx.AbstractVar[str]
+
+    transmissive = True
+
+    def surface(self) -> Surface:
+        """The dielectric part."""
+        leaving = self.kind == "volumetric" and self.side == "leaving"
+        f0 = normal_reflectance(self.ior) * self.rho_s
+        return Surface(self.alpha, self.ior, f0, self.s, self.energy, leaving)
+
+    def relative_ior(self) -> Array:
+        return jnp.ones_like(self.ior) if self.kind == "thin" else self.surface().eta
+
+    def albedo_kinks(self) -> Array:
+        surface = self.surface()
+        return surface.critical[None] if surface.leaving else jnp.zeros(0)
+
+
 @register("enterprise-opaque")
 class Opaque(Lobes):
     """rho B + s M_r F(F0 rho_s, 1) + s M_r,ms F_ms(F0 rho_s, 1) (Enterprise PBR 2019x, opaque dielectric)."""
@@ -146,7 +173,7 @@ class Opaque(Lobes):
 
 
 @register("enterprise-transparent")
-class Transparent(Lobes):
+class Transparent(Boundary):
     """s M_r F_d + rho M_t' (1 - s F_d) + s M_r,ms F_ms (Enterprise PBR 2019x, transparent dielectric).
 
     kind = "thin" mirrors the reflected lobe below the surface, "volumetric" refracts; f is the radiance BSDF.
@@ -161,21 +188,7 @@ class Transparent(Lobes):
     side: str = option("entering", ("entering", "leaving"), "whether wo is outside or inside (volumetric)")
     energy: str = option("exact", ENERGIES, ENERGY_DOC)
 
-    transmissive = True
     conserving: ClassVar[bool] = False
-
-    def surface(self) -> Surface:
-        """The boundary."""
-        leaving = self.kind == "volumetric" and self.side == "leaving"
-        f0 = normal_reflectance(self.ior) * self.rho_s
-        return Surface(self.alpha, self.ior, f0, self.s, self.energy, leaving)
-
-    def relative_ior(self) -> Array:
-        return jnp.ones_like(self.ior) if self.kind == "thin" else self.surface().eta
-
-    def albedo_kinks(self) -> Array:
-        surface = self.surface()
-        return surface.critical[None] if surface.leaving else jnp.zeros(0)
 
     def lobes(self) -> tuple[tuple[Array, Lobe], ...]:
         layer, one = self.surface(), jnp.ones_like(self.s)

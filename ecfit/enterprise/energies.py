@@ -18,8 +18,7 @@ from ecfit.approximation import Approximation, lookup_table, published
 from ecfit.compensation.formulas import kulla_conty_fresnel
 from ecfit.enterprise.average import white_average
 from ecfit.microfacet import NDFS, Fresnel, SchlickFresnel, UnitFresnel
-from ecfit.quadrature import Estimate, HalfVectorReflection
-from ecfit.quadrature.rules import graded, integrate_line
+from ecfit.quadrature import CosineRule, Estimate, HalfVectorReflection, cosine_count
 
 Array = jax.Array
 
@@ -66,21 +65,6 @@ def specular_rule(alpha: Array, fresnel: Fresnel) -> HalfVectorReflection:
     return HalfVectorReflection(NDFS["ggx"], MASKING, alpha, fresnel)
 
 
-def average_count(level: int) -> int:
-    """Nodes of an average over mu at a level."""
-    return 8 + 6 * level
-
-
-def mean_over_mu(albedo: Callable[[Array], Estimate], count: int) -> Estimate:
-    """2 x integral of E(mu) mu dmu by `count` nodes, with the error of the rule and of the values."""
-    rule = graded(0, count)
-    t = jnp.asarray(rule.nodes)
-    found = jax.vmap(albedo)(t * t)  # E turns within mu ~ alpha: nodes cluster at grazing
-    weight = 4.0 * t**3
-    mean = integrate_line(weight * found.value, rule)
-    return Estimate(mean.value, mean.error + jnp.asarray(rule.weights) @ (weight * found.error))
-
-
 def average_schlick(f0: Array, f90: Array) -> Array:
     """F_m,avg = F90 / 21 + 20 F0 / 21, exact for Schlick's factor."""
     return (f90 + 20.0 * f0) / 21.0
@@ -120,7 +104,7 @@ class Albedos(eqx.Module):
         """The mean of `single`."""
         if self.energy == "exact":
             return self.single_average(level)
-        return mean_over_mu(lambda mu: self.single(mu, level), self._count(level))
+        return self._mean(self.single, level)
 
     def F_ms(self, f0: Array, f90: Array, level: int) -> Array:
         """F_avg^2 E_m,avg / (1 - F_avg (1 - E_m,avg)) (Energy Preservation, second factor)."""
@@ -146,10 +130,12 @@ class Albedos(eqx.Module):
 
     def base_mean(self, level: int) -> Estimate:
         """The mean of `base`."""
-        return mean_over_mu(lambda mu: self.base(mu, level), self._count(level))
+        return self._mean(self.base, level)
 
-    def _count(self, level: int) -> int:
-        return average_count(level) if self.energy == "exact" else _CHEAP
+    def _mean(self, albedo: Callable[[Array, int], Estimate], level: int) -> Estimate:
+        """The average of `single` or `base` over mu."""
+        count = cosine_count(level) if self.energy == "exact" else _CHEAP
+        return CosineRule.between(count).average(lambda mu: albedo(mu, level))
 
     def _given(self, part: str, none: Array, mu: Array | None = None) -> Estimate:
         """A part from the source; `none` where nothing is compensated."""

@@ -2,6 +2,7 @@
 
 from ecfit.microfacet.fresnel import ConductorFresnel as ConductorFresnel
 from ecfit.microfacet.fresnel import DielectricFresnel as DielectricFresnel
+from ecfit.microfacet.fresnel import F82TintFresnel as F82TintFresnel
 from ecfit.microfacet.fresnel import Fresnel as Fresnel
 from ecfit.microfacet.fresnel import SchlickDielectricFresnel as SchlickDielectricFresnel
 from ecfit.microfacet.fresnel import SchlickFresnel as SchlickFresnel

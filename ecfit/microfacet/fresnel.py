@@ -46,6 +46,23 @@ class SchlickFresnel(Fresnel):
         return self.F0 + (self.F90 - self.F0) * (1.0 - x) ** self.exponent
 
 
+class F82TintFresnel(Fresnel):
+    """Schlick's factor with F90 = 1, less b x (1 - x)^6: `tint` times Schlick's at x = 1/7, near 82 degrees.
+
+    Kutz et al. 2021, Novel aspects of the Adobe Standard Material, section 2.3, as in OpenPBR. Not clipped:
+    where tint is small, F is slightly below 0 on one side of x = 1/7.
+    """
+
+    F0: Array
+    tint: Array
+
+    def __call__(self, x: Array) -> Array:
+        schlick = SchlickFresnel(self.F0, jnp.ones_like(self.F0))
+        at = 1.0 / 7.0
+        b = schlick(jnp.asarray(at)) * (1.0 - self.tint) / (at * (1.0 - at) ** 6)
+        return schlick(x) - b * x * (1.0 - x) ** 6
+
+
 def refracted_cosine(eta: Array, x: Array) -> tuple[Array, Array]:
     """cos(theta_t) by Snell's law at x = cos(theta), and whether there is a refracted ray.
 

@@ -1,6 +1,8 @@
 """Quadrature: ever finer rules for the albedo integral, and their refinement with error estimates."""
 
 from ecfit.quadrature.anisotropic import AnisotropicReflection as AnisotropicReflection
+from ecfit.quadrature.cosine import CosineRule as CosineRule
+from ecfit.quadrature.cosine import cosine_count as cosine_count
 from ecfit.quadrature.facets import FacetPairs as FacetPairs
 from ecfit.quadrature.half_vector import HalfVectorReflection as HalfVectorReflection
 from ecfit.quadrature.half_vector import ThinInterface as ThinInterface

@@ -10,8 +10,7 @@ from ecfit._jax import jax, jnp
 from ecfit.bsdf import BSDF
 from ecfit.contract import LOBES, TRANSPORTS
 from ecfit.errors import unknown
-from ecfit.quadrature import Estimate
-from ecfit.quadrature.rules import Rule, graded, integrate_line
+from ecfit.quadrature import CosineRule, Estimate, cosine_count
 
 Array = jax.Array
 
@@ -108,30 +107,19 @@ class CosineIntegral(Quantity):
         return True
 
     def _count(self, level: int) -> int:
-        return 8 + 6 * level
+        return cosine_count(level)
 
     def nodes(self, model: BSDF) -> tuple[int, ...]:
         pieces = 1 + model.albedo_kinks().size
         return tuple(n * self._count(i) * pieces for i, n in enumerate(model.measure().levels))
 
-    def line(self, model: BSDF, level: int) -> tuple[Rule, Array, Array, Array]:
-        """The rule over mu: its panels, the cosines, d mu of each node, and the weights, copies included."""
-        rule = graded(0, self._count(level))
-        # E changes fastest within mu ~ alpha of grazing and of its kinks: nodes cluster there with t^2.
-        t = jnp.asarray(rule.nodes)
-        kinks = jnp.sort(model.albedo_kinks())
-        ends = jnp.concatenate([jnp.zeros(1), kinks, jnp.ones(1)])
-        low, width = ends[:-1, None], jnp.diff(ends)[:, None]
-        unit, slope = (t * t, 2.0 * t) if kinks.size == 0 else (t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t))
-        weights = jnp.tile(jnp.asarray(rule.weights), ends.size - 1)
-        return rule, (low + width * unit).ravel(), (width * slope).ravel(), weights
+    def rule(self, model: BSDF, level: int) -> CosineRule:
+        """The nodes over mu."""
+        return CosineRule.between(self._count(level), model.albedo_kinks())
 
     def estimate(self, model: BSDF, mu: Array, level: int) -> Estimate:
-        rule, cosine, slope, weights = self.line(model, level)
-        albedo = jax.vmap(lambda m: self.directional(model, m, level))(cosine)
-        weight = self.weight(cosine) * slope
-        integral = integrate_line(weight * self.of(albedo.value), rule)
-        return Estimate(integral.value, integral.error + weights @ (jnp.abs(weight) * albedo.error))
+        rule = self.rule(model, level)
+        return rule.integral(lambda m: self.directional(model, m, level), self.weight(rule.mu), self.of)
 
 
 class AverageAlbedo(CosineIntegral):

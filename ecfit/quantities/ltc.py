@@ -25,7 +25,7 @@ class LtcScale(AverageAlbedo):
         return False
 
     def estimate(self, model: BSDF, mu: Array, level: int) -> Estimate:
-        rule, cosine, slope, weights = self.line(model, level)
+        rule, cosine, slope, weights = self.rule(model, level)
         albedo = jax.vmap(lambda m: self.directional(model, m, level))(cosine)
         lost = 1.0 - albedo.value
         amplitude = 2.0 * jnp.pi * weights @ (lost * cosine * slope)

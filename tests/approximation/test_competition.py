@@ -1,4 +1,6 @@
-"""Every registered formula against the integral that it stands for: its error is the one on record.
+"""Registered formulas against the integrals that they stand for: their errors are those on record.
+
+docs/published-fits.md has all of them (tests/approximation/test_published.py); these are cheap to judge.
 
 The errors pin the conventions: roughness in another view or the other masking gives a larger one. What was
 tried, and how far it was off, is in docs/published-conventions.md.
@@ -12,12 +14,14 @@ import pytest
 
 import ecfit
 from ecfit._jax import jnp
-from ecfit.approximation import Approximation, published_names
+from ecfit.approximation import Approximation
 from ecfit.bsdf import BSDF
 from ecfit.compensation.formulas import kulla_conty_fresnel
 from ecfit.contract import Contract
 from ecfit.coordinates import Axis
+from ecfit.errors import EcfitError
 from ecfit.metrics import measure
+from ecfit.tables.scattered import of_contract
 
 # name -> (mean, largest) absolute error on 24 nodes in [0.05, 1] of r and mu, in [0, 1] of F0, in [1, 3]
 # of ior.
@@ -145,12 +149,6 @@ def conductor(contract: Contract, names: set[str]) -> tuple[np.ndarray, tuple[Ax
     return split(masking)[contract.quantity], (R, MU)
 
 
-def test_every_published_formula_is_judged():
-    elsewhere = ("sforza-pellacini-2022-", "gotanda-2014-", "schlick-fresnel", "mayaux-2018-")
-    ours = {name for name in published_names() if not name.startswith(elsewhere)}
-    assert ours == {*RECORDED, *EXACT, *CLOSED}
-
-
 @pytest.mark.parametrize("name", RECORDED)
 def test_the_error_is_the_recorded_one(name: str):
     approximation = ecfit.published(name)
@@ -233,3 +231,31 @@ def test_cycles_is_of_alpha():
     errors = [np.abs(ecfit.published(name).on_grid([R.nodes**p]) - true).max() for p in (2, 1, 4)]
     assert errors[1] > 100.0 * errors[0]
     assert errors[2] > 100.0 * errors[0]
+
+
+def test_the_sheen_of_materialx_is_of_the_width_itself():
+    axes = {"r": np.array([0.1, 0.3, 0.6, 1.0]), "mu": np.array([0.05, 0.4, 0.9])}
+    true = ecfit.tabulate("imageworks-sheen", axes, tolerance=1e-4).values
+    made = ecfit.published("materialx-imageworks-sheen")
+    errors = [np.abs(made.on_grid([axes["mu"], axes["r"] ** p]).T - true).mean() for p in (1.0, 2.0, 0.5)]
+    assert errors[0] < 0.02
+    assert min(errors[1:]) > 3.0 * errors[0]
+
+
+def test_the_average_of_the_tinted_factor_is_that_of_its_model():
+    model = ecfit.model("conductor", fresnel="f82-tint")
+    table = ecfit.tabulate(model, {"F0": 3, "tint": 3}, quantity="average-fresnel", tolerance=1e-9)
+    assert measure(ecfit.published("f82-average-fresnel"), table).max_error < 1e-9
+
+
+def test_a_fit_of_what_is_not_modelled_says_so():
+    found = ecfit.published("materialx-zeltner-sheen")
+    assert "no truth" in found.source
+    with pytest.raises(EcfitError, match="names no model"):
+        of_contract(found.contract)
+    # As MaterialX evaluates it: at r = 0.5, mu = 0.3, by hand.
+    s, m = 0.40655785 / 0.9490774, 0.5 * (-0.379943375) / 0.546391
+    assert float(found(mu=0.3, r=0.5)) == pytest.approx(
+        np.exp(-0.5 * ((0.3 - m) / s) ** 2) / (s * np.sqrt(2.0 * np.pi)) + 0.5 * 0.020183373 / 0.552535,
+        rel=1e-6,
+    )

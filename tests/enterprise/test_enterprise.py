@@ -10,7 +10,7 @@ from ecfit._jax import jax, jnp
 from ecfit.compensation import kulla_conty_fresnel
 from ecfit.enterprise import EnterprisePBR, Metallic, Opaque, Transparent
 from ecfit.enterprise.average import white_average
-from ecfit.enterprise.energies import Albedos, mean_over_mu
+from ecfit.enterprise.energies import Albedos
 from ecfit.errors import EcfitError
 from ecfit.quadrature import Hemisphere
 
@@ -192,11 +192,3 @@ def test_all_parts_are_reciprocal_in_reflection():
     wo, wi = directions()
     for model in (Opaque(alpha=0.5, b=0.5, energy="printed"), EnterprisePBR(energy="printed", coat="clear")):
         np.testing.assert_allclose(jax.vmap(model.f)(wo, wi), jax.vmap(model.f)(wi, wo), rtol=1e-10)
-
-
-def test_a_mean_over_mu_has_the_error_of_its_values():
-    from ecfit.quadrature import Estimate
-
-    found = mean_over_mu(lambda mu: Estimate(mu**2, jnp.full_like(mu, 1e-3)), 8)
-    assert float(found.value) == pytest.approx(0.5, abs=1e-12)
-    assert 1e-3 <= float(found.error) < 2e-3

@@ -7,6 +7,7 @@ from ecfit._jax import jax, jnp
 from ecfit.microfacet import (
     ConductorFresnel,
     DielectricFresnel,
+    F82TintFresnel,
     SchlickDielectricFresnel,
     SchlickFresnel,
     UnitFresnel,
@@ -197,3 +198,14 @@ def test_schlicks_exponent_is_free():
     # By hand at x = 1/2: 0.2 + 0.8 / 2^7.
     found = SchlickFresnel(jnp.asarray(0.2), jnp.asarray(1.0), 7)(jnp.asarray(0.5))
     assert float(found) == pytest.approx(0.2 + 0.8 / 128, rel=1e-15)
+
+
+@pytest.mark.parametrize(("f0", "tint"), [(0.04, 0.3), (0.9, 0.0), (0.5, 1.0)])
+def test_the_tint_is_what_is_left_of_schlick_at_82_degrees(f0, tint):
+    factor = F82TintFresnel(jnp.asarray(f0), jnp.asarray(tint))
+    schlick = SchlickFresnel(jnp.asarray(f0), jnp.asarray(1.0))
+    x = jnp.asarray([0.0, 1.0 / 7.0, 1.0])
+    np.testing.assert_allclose(factor(x), schlick(x) * jnp.asarray([1.0, tint, 1.0]), atol=1e-14)
+    # Elsewhere it is tinted less: a tint of 1 is Schlick's factor everywhere.
+    np.testing.assert_array_less(-1e-14, schlick(X) - factor(X))
+    assert (np.abs(schlick(X) - factor(X)).max() < 1e-14) == (tint == 1.0)
