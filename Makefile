@@ -42,7 +42,7 @@ benchmark: $(VENV)/.bench
 	$(BIN)/python benchmarks/choosing.py --cache .choosing --figures .choosing
 
 constraints: $(VENV)/.uv
-	$(BIN)/uv pip compile --universal --no-header --no-annotate --extra test --extra dev --extra bench --extra shaders --extra browser pyproject.toml -o constraints.txt
+	$(BIN)/uv pip compile --universal --no-header --no-annotate --extra test --extra dev --extra bench --extra shaders --extra browser --extra render pyproject.toml -o constraints.txt
 
 # System packages for the tests that compile and run shaders, or open a browser; they skip without.
 system:
