@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from ecfit.config import read_config
+from ecfit.config.furnace import read_furnace
 from ecfit.errors import EcfitError
 from ecfit.starter import configs, write_config
 from ecfit.study.plan import make_plan
@@ -24,7 +25,8 @@ def test_every_study_of_the_repository_comes_with_it(tmp_path: Path):
     found = configs()
     assert set(found) == {"starter", *(p.stem for p in (ROOT / "configs").glob("*.toml"))}
     for name in found:
-        config = read_config(write_config(tmp_path / f"x-{name}.toml", like=name))
+        path = write_config(tmp_path / f"x-{name}.toml", like=name)
+        config = read_furnace(path) if "[[materials]]" in path.read_text() else read_config(path)
         assert config.name == f"x-{name}"
 
 

@@ -41,7 +41,7 @@ def models() -> dict[str, type[BSDF]]:
     return dict(_MODELS)
 
 
-def model(name: str, **settings: object) -> BSDF:
+def model(name: str, /, **settings: object) -> BSDF:
     """An instance of the registered model `name`.
 
     `settings` are its options (words) and parameters (numbers). Raises `EcfitError` for an unknown

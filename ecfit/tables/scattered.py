@@ -28,7 +28,7 @@ def of_contract(contract: Contract) -> tuple[BSDF, Quantity]:
     """
     if contract.model == "unknown":
         raise EcfitError("the contract names no model: there is nothing to integrate")
-    bsdf = model(contract.model, **contract.options, **contract.parameters)
+    bsdf = model(contract.model, **{**contract.options, **contract.parameters})
     settings = {name: int(value) for name, value in contract.quantity_options.items()}
     return bsdf, quantity(contract.quantity, contract.lobe, contract.transport, **settings)
 

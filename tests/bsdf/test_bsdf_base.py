@@ -43,7 +43,7 @@ def test_parameters_become_float64_arrays():
 
 def test_ranges_and_choices_come_from_the_fields():
     assert Conductor.parameter_ranges()["alpha"] == (0.0, 1.0)
-    assert set(Conductor.parameter_ranges()) == {"alpha", "F0", "F90", "eta", "k"}
+    assert set(Conductor.parameter_ranges()) == {"alpha", "F0", "F90", "eta", "k", "tint"}
     assert Conductor.option_choices()["masking"] == ("separable", "height-correlated")
     assert Conductor().options() == {"ndf": "ggx", "masking": "separable", "fresnel": "unit"}
 

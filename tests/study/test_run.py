@@ -62,7 +62,7 @@ def numbers(folder: Path) -> dict[str, bytes]:
     return {
         name: content
         for name, content in files(folder).items()
-        if "figures/" not in name and not name.endswith(("report.html", "report.md"))
+        if "figures/" not in name and not name.endswith(("report.html", "report.md", "proofs.json"))
     }
 
 

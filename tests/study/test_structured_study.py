@@ -96,7 +96,7 @@ def test_the_least_error_is_in_the_summary_and_the_report_where_it_was_asked_for
         assert "over least" in (study.folder / page).read_text()
         assert "over least" not in (finished[0] / "results/small" / page).read_text()
     lines = (study.folder / "report.md").read_text().splitlines()
-    first = next(i for i, line in enumerate(lines) if line.startswith("| form"))
+    first = next(i for i, line in enumerate(lines) if line.startswith("| approximation"))
     assert len({line.count("|") for line in lines[first : first + 4]}) == 1
 
 
