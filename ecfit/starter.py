@@ -12,7 +12,7 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,79}")
 
 
 def configs() -> dict[str, Path]:
-    """Files of studies and furnaces that come with ecfit, by name ("paper", ...); "starter" is for a beginning."""
+    """Files of studies and furnaces that come with ecfit, by name; "starter" is for a beginning."""
     package = Path(str(resources.files("ecfit")))
     installed = package / "data" / "configs"
     # A wheel holds them as package data; a repository has them beside the package.
