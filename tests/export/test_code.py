@@ -43,10 +43,11 @@ def test_a_file_says_what_it_is(language):
 
 @pytest.mark.parametrize("language", EVERY)
 def test_every_language_writes_one_function_without_arrays_loops_or_powers(language):
-    text = body(code(shipped("dielectric-entering-20"), language, name="E"))
+    fit = shipped("dielectric-entering-20")
+    text = body(code(fit, language, name="E"))
     assert len(re.findall(r"\bE\(", text)) == 1
     assert not re.search(r"\b(pow|powf|for|while)\b|\[|\{\d", text)
-    assert "0.418612" in text or "0.4186" in text
+    assert all(f"{abs(c):.6g}" in text for c in fit.coefficients if 0.1 < abs(c) < 10.0)
 
 
 def test_the_languages_hold_the_same_numbers():
