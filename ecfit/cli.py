@@ -76,7 +76,7 @@ def run(
     for name, fits in done.fits.items():
         for found in fits:
             if found.least_max_error is not None:
-                print(f"table {name}: {found.approximation.name}: {_least_line(found)}")
+                print(f"table {name}: {found.approximation.name}: {found.least_line()}")
     computed = f"{len(done.seconds)} computed, " if done.seconds else "nothing left to compute, "
     print(f"{computed}report: {done.report}")
 
@@ -481,13 +481,7 @@ def fit(
     done = ecfit.fit(ecfit.Table.load(table), make_form(form, **settings), lower_bound=lower_bound)
     if not done.ok:
         _say(f"WARNING: {done.warning()}")
-    place = ", ".join(f"{k} = {v:.4g}" for k, v in done.errors.place.items())
-    print(f"{done.approximation.name}: {done.approximation.count} coefficients, {done.status}")
-    print(f"MAE {done.mae:.4e}, RMSE {done.rmse:.4e}, largest error {done.max_error:.4e} at {place}")
-    if done.least_max_error is not None:
-        print(_least_line(done))
-    print(f"smallest denominator {done.smallest.value:.4g}, values in [{done.prediction[0]:.6g}, ", end="")
-    print(f"{done.prediction[1]:.6g}], {done.iterations} steps, {done.starts} starts")
+    print("\n".join(done.describe()))
     if output is not None:
         done.save(output)
         print(f"written: {output}")
@@ -943,12 +937,6 @@ def _bars() -> Any:
                 yield lambda steps: progress.advance(task, steps)
 
     return Bars()
-
-
-def _least_line(fit: Any) -> str:
-    """The largest error of a fit beside the least that its form can have."""
-    tight = "" if fit.least_tight else " (a bound that is not tight)"
-    return f"largest error {fit.least_note()} times the least possible, {fit.least_max_error:.4e}{tight}"
 
 
 def _say(text: str) -> None:

@@ -5,7 +5,7 @@ import numpy as np
 from ecfit.approximation import Approximation
 from ecfit.certify.certificate import Certificate
 from ecfit.certify.narrow import drift, half_safe, hard_points, single_bound
-from ecfit.certify.proofs import Ceiling, defined, divisors, floors, value_range
+from ecfit.certify.proofs import Ceiling, Proof, defined, divisors, floors, value_range
 from ecfit.certify.subject import Subject
 from ecfit.certify.truth import Points, SampledErrors, Sampling, corner_points, measure
 from ecfit.errors import EcfitError
@@ -42,9 +42,7 @@ def certify(
     subject = Subject.of(approximation)
     points = rule.points(approximation)
     hard = hard_points(approximation, max(1, int(_HARD * rule.count)), rule.seed)
-    proofs = divisors(subject)
-    sound = all(p.proven for p in proofs)
-    subject = subject.knowing(floors(subject, proofs)) if sound else subject
+    subject, proofs, sound = _divided(subject)
     errors, corner, in_half, why = _truth(approximation, points, rule, tolerance)
     least = {name: max(p.bound, 0.0) for (name, _, _), p in zip(subject.divisors, proofs, strict=True)}
     rounding = single_bound(subject, least) if sound else None
@@ -80,14 +78,18 @@ def prove(approximation: Approximation) -> tuple[str, ...]:
     They are that no divisor vanishes on the closed domain, that roots are real there, and that values lie
     between 0 and what the quantity cannot exceed. Raises `EcfitError` for tables, which have no expression.
     """
-    subject = Subject.of(approximation)
-    proofs = divisors(subject)
-    sound = all(p.proven for p in proofs)
-    subject = subject.knowing(floors(subject, proofs)) if sound else subject
+    subject, proofs, sound = _divided(Subject.of(approximation))
     faults = [p.describe() for p in (*proofs, *defined(subject)) if not p.proven]
     if sound:
         faults += value_range(subject, ceiling(approximation), _PROOF_SEED).faults
     return tuple(faults)
+
+
+def _divided(subject: Subject) -> tuple[Subject, tuple[Proof, ...], bool]:
+    """The subject, knowing what divisors exceed where all are proved > 0; the proofs; whether all are."""
+    proofs = divisors(subject)
+    sound = all(p.proven for p in proofs)
+    return (subject.knowing(floors(subject, proofs)) if sound else subject), proofs, sound
 
 
 def ceiling(approximation: Approximation) -> Ceiling | None:

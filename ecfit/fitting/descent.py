@@ -14,6 +14,7 @@ import optimistix as optx
 
 from ecfit._jax import jax, jnp
 from ecfit.expressions.evaluate import JAX, evaluate
+from ecfit.expressions.rounding import UNIT
 from ecfit.fitting.bounded import BoundedLevenbergMarquardt
 from ecfit.forms.heads import Head
 
@@ -39,7 +40,7 @@ _LINEARISED = 12
 _DEPENDENT = 1e-11
 # The largest rounding error of our fits in single precision, over 20,000 points, is about this part of the
 # sum of all terms' sizes, times the unit roundoff: terms are nested, and errors cancel.
-_LOST, _SINGLE = 0.2, 2.0**-24
+_LOST = 0.2
 # Coefficients are padded to a multiple of this, so that few shapes are compiled.
 _PAD = 8
 
@@ -353,7 +354,7 @@ class Descent:
         sizes = [np.abs(x[:, s]) @ k for x, s, k in zip(self.columns, support, parts, strict=True)]
         sizes[-1] += np.abs(self.columns[-1][:, leading])
         lost = np.sum(np.abs(slopes) * (np.stack(sizes[:-1]) + np.abs(ratios) * sizes[-1]) / q, axis=0)
-        return _LOST * _SINGLE * float(lost.max())
+        return _LOST * UNIT * float(lost.max())
 
     def rms(self, support: list[list[int]], leading: int, c: np.ndarray) -> float:
         """Weighted RMS residual; infinite where Q <= 0 at a row or guard."""

@@ -100,6 +100,15 @@ class Fit:
             return ""
         return f"{ratio:.3g}" if self.least_tight else f"at most {ratio:.3g}"
 
+    def least_line(self) -> str:
+        """The largest error beside the least that the form can have, or nothing where that is unknown."""
+        if self.least_max_error is None:
+            return ""
+        tight = "" if self.least_tight else " (a bound that is not tight)"
+        return (
+            f"largest error {self.least_note()} times the least possible, {self.least_max_error:.4e}{tight}"
+        )
+
     @property
     def ok(self) -> bool:
         """Whether the fit may be used without a second look."""
@@ -126,19 +135,24 @@ class Fit:
             f"largest error {self.max_error:.3e}, {self.status}>"
         )
 
-    def __str__(self) -> str:
+    def describe(self) -> list[str]:
+        """What it is, its errors, and the range of its values, a line each."""
         place = ", ".join(f"{k} = {v:.4g}" for k, v in self.errors.place.items())
         lines = [
             f"{self.approximation.name}: {self.approximation.count} coefficients, {self.status}",
             f"MAE {self.mae:.4e}, RMSE {self.rmse:.4e}, largest error {self.max_error:.4e} at {place}",
+            self.least_line(),
             f"smallest denominator {self.smallest.value:.4g}, values in [{self.prediction[0]:.6g}, "
-            f"{self.prediction[1]:.6g}]",
+            f"{self.prediction[1]:.6g}], {self.iterations} steps, {self.starts} starts",
         ]
-        return "\n".join([*lines, *([f"WARNING: {self.warning()}"] if self.warning() else [])])
+        return [line for line in lines if line]
+
+    def __str__(self) -> str:
+        return "\n".join([*self.describe(), *([f"WARNING: {self.warning()}"] if self.warning() else [])])
 
     def _repr_html_(self) -> str:
-        first, errors, values, *_ = str(self).splitlines()
-        rows = [("errors", errors), ("formula", values), *self.approximation.contract.describe()]
+        first, errors, *rest = self.describe()
+        rows = [("errors", errors), ("formula", "; ".join(rest)), *self.approximation.contract.describe()]
         return facts(first, rows, self.warning())
 
     def to_code(self, language: str, **options: Any) -> str:

@@ -61,6 +61,9 @@ _FACET = _G.format(mu="mu", alpha="alpha")
 _RS = f"(({_FACET} - {_REFRACTED})/({_FACET} + {_REFRACTED}))"
 _RP = f"(({_INVERSE}*{_INVERSE}*{_FACET} - {_REFRACTED})/({_INVERSE}*{_INVERSE}*{_FACET} + {_REFRACTED}))"
 
+# B_F of Fujii's Oren-Nayar divides by 1 + this times the roughness (Portsmouth et al. 2024).
+FUJII = "(0.5 - 2/(3*3.141592653589793))"
+
 FEATURES: dict[str, Feature] = {
     f.name: f
     for f in (
@@ -89,7 +92,7 @@ FEATURES: dict[str, Feature] = {
         Feature("sigma", "sigma", 0.0, "", "spread of the facets' slope angle of Oren-Nayar in rad"),
         Feature("A_q", "1 - 0.5*sigma*sigma/(sigma*sigma + 0.33)", 0.0, "", "A of qualitative Oren-Nayar"),
         Feature("B_q", "0.45*sigma*sigma/(sigma*sigma + 0.09)", 0.0, "", "B of qualitative Oren-Nayar"),
-        Feature("B_F", "diffuse_roughness/(1 + (0.5 - 2/(3*3.141592653589793))*diffuse_roughness)", 0.0, "",
+        Feature("B_F", f"diffuse_roughness/(1 + {FUJII}*diffuse_roughness)", 0.0, "",
                 "weight B of Fujii's Oren-Nayar: 1 - E is B times a function of mu"),
     )
 }  # fmt: skip

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from ecfit.errors import EcfitError, unknown
 from ecfit.expressions import Node, const, maximum, minimum, parse, power, sqrt, substitute, var
 from ecfit.expressions.node import inputs
-from ecfit.forms.features import FEATURES, check_powers, monomial, order, plain, scaled
+from ecfit.forms.features import FEATURES, FUJII, check_powers, monomial, order, plain, scaled
 
 _SQRT_F0 = sqrt(var("F0"))
 
@@ -188,7 +188,6 @@ def rho_power(exponent: float) -> Node:
 
 
 _ONE = {"alpha": 2.0}
-_FUJII = "(0.5 - 2/(3*3.141592653589793))"
 
 HEADS: dict[str, Head] = {
     h.name: h
@@ -220,8 +219,8 @@ HEADS: dict[str, Head] = {
         Head("average", ({"r": 4.0},), "1 - X", (), {}, "X", limits="E_avg = 1 at alpha = 0"),
         # 1 - E of Fujii's Oren-Nayar is 0 at mu = 0 and B_F (1/2 - 2/(3 pi)) at mu = 1; the printed
         # polynomial has the second only.
-        Head("fujii", ({"B_F": 1.0, "mu": 1.0, "u": 1.0},), f"1 - {_FUJII}*B_F*mu - X", (),
-             {"B_F": 1.0}, f"{_FUJII}*mu + X",
+        Head("fujii", ({"B_F": 1.0, "mu": 1.0, "u": 1.0},), f"1 - {FUJII}*B_F*mu - X", (),
+             {"B_F": 1.0}, f"{FUJII}*mu + X",
              limits="E = 1 at mu = 0 and without roughness, A_F at mu = 1"),
         Head("qualitative", ({"B_q": 1.0},), "A_q + X", limits="E = 1 without roughness"),
         Head("times-x", ({"x": 1.0},), "X", limits="0 at ior = 1"),
