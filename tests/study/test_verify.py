@@ -103,8 +103,6 @@ def test_a_changed_mean_error_is_found_where_the_table_is_integrated_whole(study
 @pytest.mark.parametrize(
     "damage", [lambda text: "a,b\n1,2\n", lambda text: text.replace(",mae,", ",MAE,", 1)]
 )
-    "damage", [lambda text: "a,b\n1,2\n", lambda text: text.replace(",mae,", ",MAE,", 1)]
-)
 def test_a_summary_without_its_columns_is_found(study: Path, damage):
     path = study / "summary.csv"
     path.write_text(damage(path.read_text()))
