@@ -34,7 +34,7 @@ def call(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, s
         ("init --help", "jax numpy matplotlib pydantic ecfit.cli.tables"),
         ("compare results/quick results/quick", "jax numpy matplotlib pydantic rich ecfit.cli.tables"),
         ("run nowhere.toml", "jax matplotlib ecfit.cli.tables"),
-        ("rum", "jax numpy matplotlib pydantic ecfit.cli.tables"),
+        ("rum", "jax numpy matplotlib pydantic docstring_parser"),
     ],
 )
 def test_what_a_command_does_without_is_not_loaded(command: str, heavy: str):
