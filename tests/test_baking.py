@@ -53,6 +53,15 @@ def test_tables_are_taken_as_they_are_or_refused(tmp_path, make_table, unit_axis
     bake(texel, "mitsuba").save(tmp_path / "t.exr")
 
 
+def test_nodes_that_the_layout_keeps_from_0_are_not_taken_from_0(tmp_path):
+    """At mu = 0 and mu = 1e-4 the albedo of a smooth surface is not the same."""
+    table = ecfit.tabulate(
+        ecfit.model("conductor", masking="height-correlated"), {"mu": 8, "r": 8}, tolerance=1e-3
+    )
+    with pytest.raises(EcfitError, match="other nodes of mu"):
+        bake(table, "cycles", axes={"mu": 8, "r": 8}).save(tmp_path / "t.h")
+
+
 def test_what_the_consumer_has_otherwise_is_told():
     (remark,) = bake("conductor-10", "cycles", axes={"r": 3, "mu": 3}).remarks()
     assert "masking = height-correlated, this table separable" in remark

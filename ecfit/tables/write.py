@@ -150,7 +150,7 @@ def _axes(plan: Layout, table: Table) -> list[Axis]:
             found = viewed(nodes.name, axis.name, axis.nodes)
             if found is None:
                 continue
-            if min(np.abs(found - n).max() for n in (wanted.nodes, wanted.nominal)) > _SAME:
+            if np.abs(found - wanted.nodes).max() > _SAME:
                 raise EcfitError(
                     f"layout '{plan.name}' has other nodes of {nodes.name} than the table: tables are not "
                     "interpolated; integrate or sample on the layout's nodes (ecfit export-table MODEL)"

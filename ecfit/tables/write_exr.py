@@ -20,7 +20,7 @@ def write_exr(
 
     Slices (the dimensions before height) stand below each other, or each in a part of its own. Raises
     `EcfitError` for other types of numbers, which OpenEXR lacks, and OSError where the file does not hold all
-    pixels in the end: OpenEXR itself says nothing of a full disk.
+    pixels in the end: OpenEXR itself often says nothing of a full disk.
     """
     import OpenEXR
 
@@ -39,8 +39,9 @@ def write_exr(
         return OpenEXR.Part(header, dict(planes), f"slice{i}")
 
     planes = [{n: np.ascontiguousarray(s[..., k]) for k, n in enumerate(channels)} for s in slices]
-    # OpenEXR writes by name only; the caller renames.
-    OpenEXR.File([part(i, image) for i, image in enumerate(planes)]).write(file.name)
+    with suppress(RuntimeError):  # of some failures it tells, of others not: what is in the file counts
+        # OpenEXR writes by name only; the caller renames.
+        OpenEXR.File([part(i, image) for i, image in enumerate(planes)]).write(file.name)
     if not _holds(file.name, planes):
         raise OSError("what was written does not read back: is the disk full?")
 

@@ -253,6 +253,7 @@ def test_the_tolerance_is_the_subject_s_own_or_as_asked():
         ("nothing.npz", {}, "no such table"),
         ("nothing.json", {}, "no such file"),
         ("conductor-10", {"samples": 2}, "samples must be 8 or more"),
+        ("conductor-10", {"seed": -1}, "seed must be 0 or more"),
         ("conductor-10", {"tolerance": 0.0}, "tolerance must be a positive number"),
         ("conductor-10", {"contract": Contract("unknown")}, "names no model"),
     ],

@@ -203,6 +203,13 @@ def test_source_that_is_no_table_is_refused(tmp_path, text, words):
         ecfit.read_table(tmp_path / "t.h", {"r": 2, "mu": 2}, {"model": "unknown"})
 
 
+@pytest.mark.parametrize("number", ["65536", "1e300", "18446744073709551616"])
+def test_bits_of_halves_end_at_16(tmp_path, number):
+    (tmp_path / "t.h").write_text(f"unsigned short a[4] = {{0, 1, 65535, {number}}};")
+    with pytest.raises(EcfitError, match="among the bits of halves"):
+        ecfit.read_table(tmp_path / "t.h", {"r": 2, "mu": 2}, {"model": "unknown"}, number="float16")
+
+
 def test_raw_numbers_need_their_type(tmp_path):
     path = tmp_path / "t.bin"
     np.arange(4, dtype="<u2").tofile(path)
