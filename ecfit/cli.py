@@ -92,10 +92,10 @@ def init(output: Path = Path("study.toml"), *, like: str = "starter") -> None:
     like
         starter, or a study that comes with ecfit: quick, conductor, paper, search, ...
     """
-    from ecfit.starter import write_config
+    from ecfit.starter import command_for, write_config
 
     written = write_config(output, like)
-    print(f"written: {written}; run it with: ecfit run {written}")
+    print(f"written: {written}; run it with: ecfit {command_for(written)} {written}")
 
 
 @app.command

@@ -21,6 +21,11 @@ def configs() -> dict[str, Path]:
     return {"starter": package / "data" / "starter.toml", **found}
 
 
+def command_for(path: Path) -> str:
+    """The command that takes such a file: "furnace" for a furnace, else "run"."""
+    return "furnace" if "[[materials]]" in read_text(path) else "run"
+
+
 def write_config(output: str | Path, like: str = "starter") -> Path:
     """Write the study file `like` to `output`, named after it, and return where it is.
 

@@ -7,7 +7,7 @@ import pytest
 from ecfit.config import read_config
 from ecfit.config.furnace import read_furnace
 from ecfit.errors import EcfitError
-from ecfit.starter import configs, write_config
+from ecfit.starter import command_for, configs, write_config
 from ecfit.study.plan import make_plan
 
 ROOT = Path(__file__).parent.parent
@@ -26,7 +26,7 @@ def test_every_study_of_the_repository_comes_with_it(tmp_path: Path):
     assert set(found) == {"starter", *(p.stem for p in (ROOT / "configs").glob("*.toml"))}
     for name in found:
         path = write_config(tmp_path / f"x-{name}.toml", like=name)
-        config = read_furnace(path) if "[[materials]]" in path.read_text() else read_config(path)
+        config = {"furnace": read_furnace, "run": read_config}[command_for(path)](path)
         assert config.name == f"x-{name}"
 
 

@@ -8,7 +8,9 @@ from pydantic import Field, model_validator
 from ecfit.config.study import Fault, Word, _Section, read_checked
 
 Reflectance = Annotated[float, Field(ge=0.0, le=1.0)]
-Colour = Annotated[list[Annotated[float, Field(ge=0.0)]], Field(min_length=3, max_length=3)]
+Colour = Annotated[
+    list[Annotated[float, Field(ge=0.0, allow_inf_nan=False)]], Field(min_length=3, max_length=3)
+]
 Names = Annotated[list[str], Field(min_length=1)]
 Pixels = Annotated[int, Field(ge=8, le=2048)]
 Samples = Annotated[int, Field(ge=4, le=1_000_000)]
@@ -27,7 +29,9 @@ NEEDS = {
 class RowConfig(_Section):
     """One row of spheres: no compensation, small tables, or fits by name."""
 
-    name: Annotated[str, Field(min_length=1, max_length=40, description="written beside the row")]
+    name: Annotated[
+        str, Field(min_length=1, max_length=40, pattern=r"^[^|\n]+$", description="written beside the row")
+    ]
     table: Annotated[
         int | None, Field(ge=2, le=256, description="look-up tables with so many nodes a coordinate")
     ] = None
@@ -110,6 +114,13 @@ class FurnaceConfig(_Section):
     depth: Annotated[int, Field(ge=1, le=100_000, description="scatterings after which a path is cut")] = 4096
     rows: Annotated[list[RowConfig], Field(min_length=1, max_length=8, description="from top to bottom")]
     materials: Annotated[list[MaterialConfig], Field(min_length=1, description="what is rendered")]
+
+    @model_validator(mode="after")
+    def _once(self) -> "FurnaceConfig":
+        for value in self.r:
+            if self.r.count(value) > 1:
+                raise ValueError(f"r has {value:g} twice: a column each")
+        return self
 
     @model_validator(mode="after")
     def _whole_seeds(self) -> "FurnaceConfig":

@@ -75,8 +75,9 @@ class Axis:
             raise EcfitError(f"axis '{self.name}': nodes and nominal coordinates differ in number")
         if np.any(np.diff(self.nominal) <= 0.0) or np.any(np.diff(self.nodes) < 0.0):
             raise EcfitError(f"axis '{self.name}': nodes must increase")
-        if self.spacing not in SPACINGS:
-            raise unknown("spacing", self.spacing, SPACINGS)
+        for kind, given, valid in (("spacing", self.spacing, SPACINGS), ("map", self.through, MAPS)):
+            if not isinstance(given, str) or given not in valid:
+                raise unknown(kind, given, valid)
         if np.isnan(self.low):
             object.__setattr__(self, "low", float(self.nominal[0]))
         if np.isnan(self.high):

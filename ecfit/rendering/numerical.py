@@ -18,11 +18,12 @@ from ecfit._jax import jnp
 from ecfit.approximation import Approximation
 from ecfit.bsdf import model
 from ecfit.config.furnace import NEEDS, FurnaceConfig, MaterialConfig, RowConfig, read_furnace
+from ecfit.errors import EcfitError
 from ecfit.files import write_text
 from ecfit.microfacet import DielectricFresnel
 from ecfit.quantities import directional_albedo
 from ecfit.rendering.albedo import arguments
-from ecfit.rendering.pictures import percent
+from ecfit.rendering.pictures import by_size, percent
 from ecfit.rendering.plan import TABLES, Albedos, starred
 from ecfit.rendering.verdict import LEAST_MU
 from ecfit.study.runner import Progress
@@ -67,7 +68,7 @@ class Numerical:
         """Lines for people to read: the scattering of each row that deviates most."""
         out = []
         for row in dict.fromkeys(s.row for s in self.scatterings):
-            far = max((s for s in self.scatterings if s.row == row), key=lambda s: s.mean)
+            far = max((s for s in self.scatterings if s.row == row), key=lambda s: by_size(s.mean))
             ior = "" if far.ior is None else f", ior = {far.ior:g}"
             side = f", {far.side}" if far.side else ""
             place = f"{far.material}{ior}{side}, r = {far.r:g}"
@@ -97,6 +98,8 @@ def run_numerical(
         for material, ior, role in cases:
             found += _scatterings(config, material, ior, role, albedos)
             advance(1)
+    if not found:
+        raise EcfitError(f"{path}: no material is in the constant light: there is nothing to integrate")
     file = Path(results) / config.name / "numerical.csv"
     write_text(file, summary(found))
     return Numerical(found, file)

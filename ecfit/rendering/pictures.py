@@ -1,6 +1,7 @@
 """Pictures of spheres, rows of compensation and columns of roughness, as PNG files."""
 
 import io
+import math
 import textwrap
 from collections.abc import Callable, Sequence
 from typing import Protocol
@@ -70,8 +71,15 @@ def _srgb(linear: np.ndarray) -> np.ndarray:
     return np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.maximum(x, 1e-9) ** (1.0 / 2.4) - 0.055)
 
 
+def by_size(value: float) -> float:
+    """For sorting deviations: what is not a number deviates most."""
+    return math.inf if math.isnan(value) else value
+
+
 def percent(value: float) -> str:
     """A deviation with three digits at most: 12.3%, 1.23%, 0.12%, 0.01%; beyond all measure: > 1000%."""
+    if not math.isfinite(value):
+        return "not finite"
     if not value < 10.0:
         return "> 1000%"
     return f"{100.0 * value:.1f}%" if value >= 0.1 else f"{100.0 * value:.2f}%"

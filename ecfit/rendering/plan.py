@@ -1,18 +1,20 @@
 """From the config of a furnace to its spheres: names resolved, small tables computed, nothing rendered."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from ecfit.approximation import Approximation, find
 from ecfit.approximation.tables import as_lookup
 from ecfit.bsdf import model
 from ecfit.config.furnace import NEEDS, FurnaceConfig, MaterialConfig, RowConfig
+from ecfit.contract import Contract
 from ecfit.coordinates import Axis, resolve, viewed
 from ecfit.errors import EcfitError
 from ecfit.rendering.albedo import albedo_code
 from ecfit.rendering.sphere import Sphere, joined
 from ecfit.study.runner import Progress, stored_table
-from ecfit.tables import Request
+from ecfit.tables import Request, claim
 
 # Absolute errors of small tables: far below those of interpolation between 32 nodes.
 _TOLERANCE = 1e-6
@@ -49,13 +51,15 @@ class Albedos:
         if row.table is not None:
             return self._lookup(role, row.table)
         choices = [self._named(name) for name in getattr(row, role)]
+        wanted = _contract(role)
         for choice in choices:
-            claimed, wanted = choice.contract, TABLES[role]
-            side = wanted[1].get("side")
-            if claimed.model != wanted[0] or (side and claimed.options.get("side") != side):
+            # Either transport normalises the lobes of its own side.
+            faults = replace(choice.contract, transport=wanted.transport).differences(wanted)
+            if faults:
+                said = ", ".join(f"{k} = {v}" for k, v in (("model", wanted.model), *wanted.options.items()))
                 raise EcfitError(
-                    f"row '{row.name}': '{choice.name}' is of the model {claimed.model} "
-                    f"{claimed.options.get('side', '')}, but {role} means {' '.join((wanted[0], side or ''))}"
+                    f"row '{row.name}': '{choice.name}' has {', '.join(faults)}, but {role} is an albedo "
+                    f"({wanted.quantity}, lobe {wanted.lobe}) of {said}: name another fit"
                 )
         return next((choice for choice in choices if holds(choice, ior)), choices[-1])
 
@@ -84,6 +88,12 @@ class Albedos:
                 ends = 1.0 + 0.9 * (ends[0] - 1.0), 1.0 + 1.1 * (ends[0] - 1.0)
             low, high = (float(resolve(["F0"], {"ior": ior})["F0"]) for ior in ends)
         return Axis.spaced(name, count, low, high)
+
+
+def _contract(role: str) -> Contract:
+    """What is rendered: the conventions of Mitsuba's lobes."""
+    name, options, _ = TABLES[role]
+    return claim(name, dict(model(name, **options).options()), "directional-albedo", "all", "energy", {})
 
 
 def beyond(used: Mapping[str, Approximation], ior: float | None) -> tuple[str, ...]:

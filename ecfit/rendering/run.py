@@ -17,7 +17,7 @@ from ecfit.config.furnace import FurnaceConfig, read_furnace
 from ecfit.errors import EcfitError
 from ecfit.files import make_folder, write_text
 from ecfit.rendering.page import page
-from ecfit.rendering.pictures import colour_picture, furnace_picture, percent
+from ecfit.rendering.pictures import by_size, colour_picture, furnace_picture, percent
 from ecfit.rendering.plan import Albedos, spheres
 from ecfit.rendering.sphere import Sphere
 from ecfit.rendering.variant import Variant, choose
@@ -74,7 +74,7 @@ class FurnaceRun:
         for row in dict.fromkeys(one.sphere.row for one in self.rendered):
             judged = [one for one in self.rendered if one.sphere.row == row and one.verdict is not None]
             if judged:
-                far = max(judged, key=_mean)
+                far = max(judged, key=lambda one: by_size(_mean(one)))
                 out.append(
                     f"{row}: mean deviation at most {percent(_mean(far))}, "
                     f"of {far.sphere.picture} at r = {far.sphere.r:g}"
@@ -129,7 +129,8 @@ def _render(
 ) -> None:
     """Have all spheres rendered by another process."""
     renders = make_folder(folder / "renders")
-    with tempfile.TemporaryDirectory() as temporary:
+    # A file, as a pipe that nobody reads until the end would stop a process that has much to say.
+    with tempfile.TemporaryDirectory() as temporary, tempfile.TemporaryFile("w+") as log:
         jobs = Path(temporary) / "spheres.json"
         jobs.write_text(json.dumps([sphere.to_dict() for sphere in missing]), encoding="utf-8")
         command = [sys.executable, "-m", "ecfit.rendering.worker", variant.name, str(jobs), str(renders)]
@@ -137,14 +138,14 @@ def _render(
             command,
             env={**os.environ, **variant.environment},
             stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
+            stderr=log,
             text=True,
         ) as process:
             assert process.stdout is not None
-            assert process.stderr is not None
             for _ in process.stdout:
                 advance(1)
-            errors = process.stderr.read()
+        log.seek(0)
+        errors = log.read()
     if process.returncode:
         why = errors.strip().splitlines()[-1:] or [f"exit code {process.returncode}"]
         raise EcfitError(f"the renderer stopped: {why[0]}; finished spheres are kept")

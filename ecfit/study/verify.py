@@ -25,6 +25,9 @@ from ecfit.study.runner import SUMMARY_COLUMNS, config_hash, summary_row, table_
 from ecfit.tables import Given, Request, Table
 from ecfit.tables.scattered import integrate
 
+# Columns of `summary.csv` that older results lack.
+_LATER_COLUMNS = frozenset({"max_over_least"})
+
 # Rounding of a fit's value on another machine: its coefficients may be 1e3 times as large as its value.
 _ROUNDING = 1e-12
 # Errors of a whole table may move by its own tolerance, and their last printed digits by rounding.
@@ -152,15 +155,19 @@ def _records(plan: Plan, folder: Path) -> tuple[list[Finding], list[str]]:
 def _summary(folder: Path, fits: list[tuple[PlannedFit, Fit]]) -> Iterator[Finding]:
     """Whether `summary.csv` says what the fits' files say."""
     try:
-        rows = list(csv.DictReader(io.StringIO(read_text(folder / "summary.csv"))))
+        reader = csv.DictReader(io.StringIO(read_text(folder / "summary.csv")))
+        rows, columns = list(reader), set(reader.fieldnames or ())
     except (EcfitError, csv.Error) as error:
         yield Finding("summary.csv", str(error), False)
+        return
+    lacking = [name for name in SUMMARY_COLUMNS if name not in columns | _LATER_COLUMNS]
+    if lacking:
+        yield Finding("summary.csv", f"the column {lacking[0]} is missing", False)
         return
     wrong = []
     for planned, fit in fits:
         cells = dict(zip(SUMMARY_COLUMNS, map(str, summary_row(planned.table, fit)), strict=True))
-        # Older versions had fewer columns.
-        if not any(all(row.get(k) in (v, None) for k, v in cells.items()) for row in rows):
+        if not any(all(row[k] == v for k, v in cells.items() if k in columns) for row in rows):
             wrong.append(planned.label)
     text = f"no row says what the file says of {', '.join(wrong[:3])}{', ...' if len(wrong) > 3 else ''}"
     yield Finding("summary.csv", text if wrong else f"agrees with the files of {len(fits)} fits", not wrong)

@@ -52,6 +52,9 @@ def test_defaults(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
+        ("r = [0.5, 1.0]", "r = [0.5, 0.5]", "r has 0.5 twice: a column each"),
+        ('name = "fit"', 'name = "a | b"', "FILE:6: rows.name"),
+        ('"conductor"\n', '"conductor"\neta = [1.0, 1.0, inf]\nk = [1.0, 1.0, 1.0]\n', "finite number"),
         ("r = [0.5, 1.0]", "r = [0.5, 1.5]", "FILE:2: r: 1.5: should be less than or equal to 1"),
         ("conductor =", "conductr =", "FILE:7: rows.conductr: unknown key"),
         ('"conductor"', '"metal"', "FILE:10: materials.model: 'metal': expected one of conductor, glossy"),

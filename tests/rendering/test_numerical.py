@@ -114,8 +114,27 @@ def test_the_file_lists_what_is_returned(white):
     assert white.describe()[1].startswith("fits: mean deviation at most")
 
 
-def test_a_fit_of_another_model_is_refused(tmp_path):
+@pytest.mark.parametrize(
+    ("name", "fault"),
+    [
+        ("glossy-10", "model = glossy, fresnel = exact"),
+        ("conductor-correlated-16", "masking = height-correlated"),
+        ("conductor-beckmann-16", "ndf = beckmann"),
+        ("schlick-b-16", "quantity = schlick-b"),
+        ("average-4", "quantity = average-albedo"),
+    ],
+)
+def test_a_fit_of_another_surface_or_quantity_is_refused(tmp_path, name, fault):
     path = tmp_path / "wrong.toml"
-    path.write_text(WHITE.replace('conductor = ["conductor-7"]', 'conductor = ["glossy-10"]'))
-    with pytest.raises(ecfit.EcfitError, match="'glossy-10' is of the model glossy"):
+    path.write_text(WHITE.replace('conductor = ["conductor-7"]', f'conductor = ["{name}"]'))
+    with pytest.raises(
+        ecfit.EcfitError, match=f"row 'fits': '{name}' has {fault}, but conductor is an albedo"
+    ):
+        run_numerical(path, tmp_path)
+
+
+def test_a_furnace_without_a_constant_light_has_nothing_to_integrate(tmp_path):
+    path = tmp_path / "studio.toml"
+    path.write_text(WHITE.replace('model = "conductor"', 'model = "conductor"\nlight = "studio"'))
+    with pytest.raises(ecfit.EcfitError, match="no material is in the constant light"):
         run_numerical(path, tmp_path)

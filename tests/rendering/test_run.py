@@ -77,7 +77,15 @@ def test_a_model_needs_axes_and_says_so(capsys):
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(0.6249, "62.5%"), (0.0123, "1.23%"), (0.000123, "0.01%"), (0.0, "0.00%"), (13.0, "> 1000%")],
+    [
+        (0.6249, "62.5%"),
+        (0.0123, "1.23%"),
+        (0.000123, "0.01%"),
+        (0.0, "0.00%"),
+        (13.0, "> 1000%"),
+        (float("inf"), "not finite"),
+        (float("nan"), "not finite"),
+    ],
 )
 def test_percentages_have_three_digits_at_most(value, text):
     assert percent(value) == text

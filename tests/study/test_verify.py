@@ -100,6 +100,16 @@ def test_a_changed_mean_error_is_found_where_the_table_is_integrated_whole(study
     assert any(f"{name.upper()} " in line and "said to be" in line for line in failed(found))
 
 
+@pytest.mark.parametrize(
+    "damage", [lambda text: "a,b\n1,2\n", lambda text: text.replace(",mae,", ",MAE,", 1)]
+)
+def test_a_summary_without_its_columns_is_found(study: Path, damage):
+    path = study / "summary.csv"
+    path.write_text(damage(path.read_text()))
+    (fault,) = failed(verify(study, entries=4, refits=0))
+    assert fault.startswith("summary.csv: the column ")
+
+
 def test_a_summary_that_says_another_number_is_found(study: Path):
     path = study / "summary.csv"
     path.write_text(path.read_text().replace("rational,3,19,4.", "rational,3,19,3.", 1))
