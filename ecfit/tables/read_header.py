@@ -54,7 +54,9 @@ def read_header(path: Path, count: int, channel: str | None, kind: str | None) -
     flat = _numbers(path, _body(path, text, start))
     if kind == "float16" and flat.size and np.all(flat == np.rint(flat)) and flat.min() >= 0:
         if flat.max() > _MOST_BITS:
-            raise EcfitError(f"'{path}' has {flat.max():.6g} among the bits of halves: they end at {_MOST_BITS}")
+            raise EcfitError(
+                f"'{path}' has {flat.max():.6g} among the bits of halves: they end at {_MOST_BITS}"
+            )
         flat = flat.astype(np.uint16).view(np.float16).astype(np.float64)
     return picked(flat, count, within or None, f"'{path}'")
 

@@ -111,9 +111,11 @@ def _from_said(
         part = 0 if piece is None else names.index(piece)
         order = [str(n) for n in pieces[part]["order"]]
         number, stored = str(said["number"]), str(said["stored"])
-        claimed = contract or Contract.from_dict(said["contracts"][part * len(channels) + which])
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
-        raise EcfitError(f"'{path}': what it says of itself is damaged ({error})") from None
+        slot = part * len(channels) + which
+        claimed = contract or Contract.from_dict(said["contracts"][slot])
+        error = said["errors"][slot] if "errors" in said else None
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as fault:
+        raise EcfitError(f"'{path}': what it says of itself is damaged ({fault})") from None
     in_file = None if len(channels) == 1 else str(which)
     if path.suffix.lower() == ".exr":
         in_file = channels[which] or None
@@ -128,5 +130,6 @@ def _from_said(
         scale=number_of(number).one,
         number=number,
         part=(part, len(names)),
+        errors=error,
         finite=finite,
     )

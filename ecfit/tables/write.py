@@ -190,10 +190,17 @@ def _said(plan: Layout, tables: Sequence[Table], orders: Sequence[list[str]], bo
         "stored": plan.stored,
         "number": plan.number,
         "rounding": bound,
+        "errors": [_error(t, bound) for t in tables],
         "contracts": [t.contract.to_dict() for t in tables],
         "sources": [str(t.provenance.get("source", "ecfit")) for t in tables],
         "keys": [str(t.provenance.get("key", "")) for t in tables],
     }
+
+
+def _error(table: Table, rounding: float) -> float | None:
+    """The most by which an entry of the file is off, as far as the table knows its own errors; else None."""
+    known = table.errors[np.isfinite(table.errors)]
+    return float(known.max()) + rounding if known.size else None
 
 
 def _comment(plan: Layout, said: dict[str, Any], tables_shape: tuple[int, ...]) -> list[str]:
@@ -201,7 +208,9 @@ def _comment(plan: Layout, said: dict[str, Any], tables_shape: tuple[int, ...]) 
     contract = said["contracts"][0]
     settings = {**contract["options"], **contract["parameters"]}
     text = [f"{' x '.join(map(str, tables_shape))} numbers, written by ecfit in the layout '{plan.name}'"]
-    text.append(f"{plan.number} of {plan.stored}, rounded by at most {said['rounding']:.2g}")
+    known = [e for e in said["errors"] if e is not None]
+    off = f", off by at most {max(known):.2g} in all" if known else ""
+    text.append(f"{plan.number} of {plan.stored}, rounded by at most {said['rounding']:.2g}{off}")
     for piece in said["pieces"]:
         order = f"order {', '.join(piece['order'])} (the last varies fastest; - runs backwards)"
         text.append(f"{piece['name']}: {order}" if piece["name"] else order)

@@ -244,8 +244,8 @@ def test_what_cannot_be_written_is_refused(tmp_path, make_table, unit_axis):
     assert not list(tmp_path.iterdir())
 
 
-def test_damaged_words_of_a_file_are_told(tmp_path, make_table, unit_axis):
-    table = make_table(lambda r, mu: r * mu, unit_axis("r", 3), unit_axis("mu", 3))
+def test_damaged_words_of_a_file_are_told(tmp_path):
+    table = Table.from_array(np.full((3, 3), 0.5), {"r": 3, "mu": 3}, {"model": "unknown"})
     path = tmp_path / "t.h"
     write_table(table, path)
     text = path.read_text()
@@ -253,6 +253,12 @@ def test_damaged_words_of_a_file_are_told(tmp_path, make_table, unit_axis):
         path.write_text("\n".join(f"{MARK} {damage}" if MARK in row else row for row in text.splitlines()))
         with pytest.raises(EcfitError, match="damaged"):
             read_layout(path)
+    for damage in ('"errors": [-1.0]', '"errors": ["x"]', '"errors": []', '"errors": 1'):
+        path.write_text(text.replace('"errors": [null]', damage))
+        with pytest.raises(EcfitError, match="errors must be|damaged"):
+            read_layout(path)
+    path.write_text(text.replace('"errors": [null], ', ""))  # as files were written before they said it
+    assert not read_layout(path).estimated
     path.write_text("float a[9] = {1,2,3,4,5,6,7,8,9};")
     with pytest.raises(EcfitError, match="does not say what it is"):
         read_layout(path)
