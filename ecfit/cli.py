@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, NamedTuple, NoReturn
 from cyclopts import App, CycloptsError, Parameter
 
 from ecfit._cache import keep_compiled
-from ecfit.errors import EcfitError
+from ecfit.errors import EcfitError, refuse_ignored
 
 # Before NumPy loads: JAX has a pool of threads of its own, and where two pools share the cores small
 # factorisations take up to a hundred times longer (docs/performance.md).
@@ -42,6 +42,7 @@ GivenAxes = Annotated[
     tuple[str, ...],
     Parameter(name="--axis", help="name=count (0 to 1), name=low:high:count or name=x,x,...; repeatable."),
 ]
+Spacing = Literal["uniform", "gauss", "chebyshev", "texel-centre", "clamped"]
 Options = Annotated[
     tuple[str, ...], Parameter(name="--option", help="A setting of the model, name=value; repeatable.")
 ]
@@ -155,7 +156,7 @@ def table(
     lobe: str = "all",
     transport: str = "energy",
     tolerance: float = 1e-7,
-    spacing: Literal["uniform", "gauss", "chebyshev", "texel-centre", "clamped"] = "uniform",
+    spacing: Spacing = "uniform",
     exponent: int | None = None,
 ) -> None:
     """Integrate a quantity of a model on a grid and save the table (NPZ).
@@ -211,17 +212,17 @@ def import_(
     layout: str | None = None,
     piece: str | None = None,
     number: str | None = None,
-    spacing: Literal["uniform", "gauss", "chebyshev", "texel-centre", "clamped"] = "uniform",
-    stored: Literal["E", "1-E"] = "E",
-    scale: float = 1.0,
+    spacing: Spacing | None = None,
+    stored: Literal["E", "1-E"] | None = None,
+    scale: float | None = None,
     order: str | None = None,
     channel: str | None = None,
     model: str | None = None,
     option: Options = (),
     plugin: Plugins = (),
-    quantity: str = "directional-albedo",
-    lobe: str = "all",
-    transport: str = "energy",
+    quantity: str | None = None,
+    lobe: str | None = None,
+    transport: str | None = None,
     exponent: int | None = None,
 ) -> None:
     """Read somebody's own table (CSV, NPY, EXR, C, raw) and save it as ours (NPZ), to be fitted like ours.
@@ -239,11 +240,11 @@ def import_(
     number
         Type of the numbers of a raw file: float64, float32, float16, uint16, uint8.
     spacing
-        Of the nodes of all axes: uniform has nodes at both ends, texel-centre at (i + 0.5) / N.
+        Of the nodes of all axes: uniform, the default, has nodes at both ends, texel-centre at (i + 0.5) / N.
     stored
-        What the file holds.
+        What the file holds; E by default.
     scale
-        The stored number that stands for 1: 65535 for 16-bit tables.
+        The stored number that stands for 1: 65535 for 16-bit tables; 1 by default.
     order
         Axes as the file stores them, separated by commas, the one that varies fastest last; -mu: from its
         last node to its first (--order=-mu,r). By default the order of --axis.
@@ -252,19 +253,19 @@ def import_(
     model
         The registered model that the table is claimed to be of, or unknown.
     quantity
-        What the table holds; `ecfit list` shows the names.
+        What the table holds, directional-albedo by default; `ecfit list` shows the names.
     lobe
-        all, reflection or transmission.
+        all, reflection or transmission; all by default.
     transport
-        energy or radiance.
+        energy or radiance; energy by default.
     exponent
         Of schlick-a and schlick-b; 5 by default.
     """
     from ecfit.study.plugins import load_plugins
 
     load_plugins(plugin, Path())
-    contract = _claim(model, option, quantity, lobe, transport, exponent)
     how = _Foreign(axis, layout, piece, number, spacing, stored, scale, order, channel)
+    contract = _claim(model, option, quantity, lobe, transport, exponent, own=how.says_itself)
     done = _foreign(file, how, contract)
     done.save(output)
     print("\n".join([*done.describe(), f"written: {output}"]))
@@ -280,15 +281,15 @@ def export_table(
     axis: Axes = (),
     option: Options = (),
     plugin: Plugins = (),
-    quantity: str = "directional-albedo",
-    lobe: str = "all",
-    transport: str = "energy",
-    tolerance: float = 1e-7,
+    quantity: str | None = None,
+    lobe: str | None = None,
+    transport: str | None = None,
+    tolerance: float | None = None,
     number: str | None = None,
     stored: Literal["E", "1-E"] | None = None,
     order: str | None = None,
-    spacing: Literal["uniform", "gauss", "chebyshev", "texel-centre", "clamped"] = "uniform",
-    name: str = "ecfit_table",
+    spacing: Spacing | None = None,
+    name: str | None = None,
     parts: bool = False,
 ) -> None:
     """Write a table as a renderer stores it: EXR, NPY, CSV, C source (.h) or raw numbers (.bin).
@@ -303,13 +304,13 @@ def export_table(
     layout
         How the consumer stores it; `ecfit list` shows the layouts. plain has the axes given here.
     quantity
-        What a model is integrated to, where the layout leaves it open.
+        What a model is integrated to where the layout leaves it open, directional-albedo by default.
     lobe
-        all, reflection or transmission.
+        all, reflection or transmission; all by default.
     transport
-        energy or radiance.
+        energy or radiance; energy by default.
     tolerance
-        Absolute error to reach in every entry.
+        Absolute error of a model's integrals to reach in every entry, 1e-7 by default.
     number
         float64, float32, float16, uint16 or uint8, in the place of the layout's.
     stored
@@ -317,9 +318,9 @@ def export_table(
     order
         Of plain: axes as they are to be stored, the one that varies fastest last; -mu: from last to first.
     spacing
-        Of the nodes of plain axes.
+        Of the nodes of plain axes, uniform by default.
     name
-        Of the array in C source.
+        Of the array in C source, ecfit_table by default.
     parts
         In EXR, put slices of 3D tables into parts instead of below each other.
     """
@@ -330,12 +331,14 @@ def export_table(
     done = bake(
         source,
         layout,
-        axes=_given_axes(axis, spacing) if layout == "plain" else _counts(axis),
+        axes=_plain_axes(axis, spacing) if layout == "plain" else _counts(axis),
+        spacing=spacing,
         options=_settings(option),
         transport=transport,
         lobe=lobe,
         quantity=quantity,
         tolerance=tolerance,
+        progress=_bars(),
     )
     names = None if order is None else [part.strip() for part in order.split(",")]
     written = done.save(output, number=number, stored=stored, order=names, name=name, parts=parts)
@@ -354,17 +357,17 @@ def check(
     layout: str | None = None,
     piece: str | None = None,
     number: str | None = None,
-    spacing: Literal["uniform", "gauss", "chebyshev", "texel-centre", "clamped"] = "uniform",
-    stored: Literal["E", "1-E"] = "E",
-    scale: float = 1.0,
+    spacing: Spacing | None = None,
+    stored: Literal["E", "1-E"] | None = None,
+    scale: float | None = None,
     order: str | None = None,
     channel: str | None = None,
     model: str | None = None,
     option: Options = (),
     plugin: Plugins = (),
-    quantity: str = "directional-albedo",
-    lobe: str = "all",
-    transport: str = "energy",
+    quantity: str | None = None,
+    lobe: str | None = None,
+    transport: str | None = None,
     exponent: int | None = None,
     samples: int = 256,
     seed: int = 1,
@@ -386,11 +389,11 @@ def check(
     number
         Type of the numbers of a raw file.
     spacing
-        Of the nodes of --axis.
+        Of the nodes of --axis, uniform by default.
     stored
-        What the file holds.
+        What the file holds; E by default.
     scale
-        The stored number that stands for 1.
+        The stored number that stands for 1; 1 by default.
     order
         Axes as the file stores them, the one that varies fastest last.
     channel
@@ -399,11 +402,11 @@ def check(
         What the subject is claimed to be, in the place of its own contract, with --option, --quantity, --lobe
         and --transport.
     quantity
-        What it is claimed to hold.
+        What it is claimed to hold, directional-albedo by default.
     lobe
-        all, reflection or transmission.
+        all, reflection or transmission; all by default.
     transport
-        energy or radiance.
+        energy or radiance; energy by default.
     exponent
         Of schlick-a and schlick-b; 5 by default.
     samples
@@ -418,12 +421,15 @@ def check(
     from ecfit.tables.foreign import FORMATS
 
     load_plugins(plugin, Path())
-    contract = _claim(model, option, quantity, lobe, transport, exponent)
+    how = _Foreign(axis, layout, piece, number, spacing, stored, scale, order, channel)
     what: Any = subject
     path = Path(subject)
-    if path.suffix.lower() in FORMATS:
-        how = _Foreign(axis, layout, piece, number, spacing, stored, scale, order, channel)
+    foreign = path.suffix.lower() in FORMATS
+    contract = _claim(model, option, quantity, lobe, transport, exponent, not foreign or how.says_itself)
+    if foreign:
         what = _foreign(path, how, contract, finite=False)
+    else:
+        refuse_ignored(f"'{subject}' says itself what it is", how._asdict())
     done = audit(
         what,
         contract=contract,
@@ -835,11 +841,13 @@ def _axes(texts: tuple[str, ...], model: Any, quantity: Any, spacing: str) -> tu
     return axes, total
 
 
-def _given_axes(texts: tuple[str, ...], spacing: str) -> dict[str, Any]:
+def _given_axes(texts: tuple[str, ...], spacing: str | None) -> dict[str, Any]:
     """Axes of `ecfit import` by name."""
     import ecfit
     from ecfit.tables.given import full_range
 
+    if all("," in text for text in texts):
+        refuse_ignored("nodes that are listed have no spacing", {"spacing": spacing})
     axes: dict[str, Any] = {}
     for text in texts:
         name, _, value = text.partition("=")
@@ -847,7 +855,19 @@ def _given_axes(texts: tuple[str, ...], spacing: str) -> dict[str, Any]:
             axes[name] = ecfit.Axis.given(name, value.split(","))
         else:
             name, low, high, count = _axis(text)
-            axes[name] = ecfit.Axis.spaced(name, count, *full_range(name, low, high), spacing)
+            axes[name] = ecfit.Axis.spaced(name, count, *full_range(name, low, high), spacing or "uniform")
+    return axes
+
+
+def _plain_axes(texts: tuple[str, ...], spacing: str | None) -> dict[str, Any]:
+    """Axes of `ecfit export-table` by name: counts, whose range is that of the model, or whole axes."""
+    import ecfit
+
+    axes: dict[str, Any] = {}
+    for text in texts:
+        name, low, high, count = _axis(text)
+        whole = low is not None and high is not None
+        axes[name] = ecfit.Axis.spaced(name, count, low, high, spacing or "uniform") if whole else count
     return axes
 
 
@@ -858,11 +878,16 @@ class _Foreign(NamedTuple):
     layout: str | None
     piece: str | None
     number: str | None
-    spacing: str
-    stored: Literal["E", "1-E"]
-    scale: float
+    spacing: str | None
+    stored: Literal["E", "1-E"] | None
+    scale: float | None
     order: str | None
     channel: str | None
+
+    @property
+    def says_itself(self) -> bool:
+        """Whether the file or its layout says what it is; else its axes are given."""
+        return self.layout is not None or not self.axis
 
 
 def _foreign(file: Path, how: _Foreign, contract: Any, finite: bool = True) -> Any:
@@ -870,27 +895,55 @@ def _foreign(file: Path, how: _Foreign, contract: Any, finite: bool = True) -> A
     from ecfit.contract import Contract
     from ecfit.tables import read_layout, read_table
 
-    if how.layout is not None or not how.axis:
+    if how.says_itself:
         counts = _counts(how.axis)
-        return read_layout(file, how.layout, contract=contract, counts=counts, channel=how.channel,
+        done = read_layout(file, how.layout, contract=contract, counts=counts, channel=how.channel,
                            piece=how.piece, finite=finite)  # fmt: skip
+        who = f"'{file}'" if how.layout is None else f"layout '{how.layout}'"
+        said = how._asdict()
+        stored = {k: said[k] for k in ("number", "spacing", "stored", "scale", "order")}
+        refuse_ignored(f"{who} says itself how numbers are stored", stored)
+        return done
+    refuse_ignored("pieces are of a layout", {"piece": how.piece})
+    if file.suffix.lower() in (".npy", ".exr"):
+        refuse_ignored(f"a {file.suffix} file says the type of its numbers", {"number": how.number})
     names = None if how.order is None else [name.strip() for name in how.order.split(",")]
     axes = _given_axes(how.axis, how.spacing)
+    scale = 1.0 if how.scale is None else how.scale
     return read_table(file, axes, contract or Contract("unknown"), how.stored, names, channel=how.channel,
-                      scale=how.scale, number=how.number, finite=finite)  # fmt: skip
+                      scale=scale, number=how.number, finite=finite)  # fmt: skip
 
 
 def _claim(
-    model: str | None, option: tuple[str, ...], quantity: str, lobe: str, transport: str, exponent: int | None
+    model: str | None,
+    option: tuple[str, ...],
+    quantity: str | None,
+    lobe: str | None,
+    transport: str | None,
+    exponent: int | None,
+    own: bool,
 ) -> Any:
-    """The contract that the options of `ecfit import` say, or None where they say none."""
+    """The contract that the options of `ecfit import` say, or None where they say none.
+
+    `own`: whether the subject has a contract of its own, which only a whole one replaces.
+    """
     from ecfit.tables import claim
 
-    settings = {} if exponent is None else {"exponent": exponent}
-    said = (quantity, lobe, transport) != ("directional-albedo", "all", "energy") or option or settings
-    if model is None and not said:
+    said = {"quantity": quantity, "lobe": lobe, "transport": transport}
+    if model is None and own:
+        why = "what the subject says of itself holds unless a model is claimed too (--model unknown for any)"
+        refuse_ignored(why, {"option": option, **said, "exponent": exponent})
+    if model is None and not option and exponent is None and all(v is None for v in said.values()):
         return None
-    return claim(model or "unknown", _settings(option), quantity, lobe, transport, settings)
+    settings = {} if exponent is None else {"exponent": exponent}
+    return claim(
+        model or "unknown",
+        _settings(option),
+        quantity or "directional-albedo",
+        lobe or "all",
+        transport or "energy",
+        settings,
+    )
 
 
 def _counts(texts: tuple[str, ...]) -> dict[str, int]:

@@ -105,7 +105,9 @@ def _from_said(
         names = [str(p["name"]) for p in pieces]
         if channel is not None and channel not in channels:
             raise unknown("channel", channel, channels)
-        if (piece is None and len(names) > 1) or (piece is not None and piece not in names):
+        if len(names) == 1 and piece not in (None, names[0]):
+            raise EcfitError(f"'{path}' has no piece '{piece}', it is one table: leave piece out")
+        if len(names) > 1 and piece not in names:
             raise EcfitError(f"'{path}': which piece? Expected one of {', '.join(names)}")
         which = 0 if channel is None else channels.index(channel)
         part = 0 if piece is None else names.index(piece)

@@ -237,6 +237,11 @@ def test_what_cannot_be_written_is_refused(tmp_path, make_table, unit_axis):
     refused("OpenEXR has no float64", table, tmp_path / "t.exr")
     refused("takes 2 table", table, tmp_path / "t.h", "three")
     refused("no name of an array", table, tmp_path / "t.h", name="a b")
+    refused(
+        "only arrays of C source have a name, not .csv: leave out name", table, tmp_path / "t.csv", name="a"
+    )
+    for file in ("t.exr", "t.npy"):
+        refused("leave parts out", table, tmp_path / file, number="float32", parts=True)
     refused("order must name each axis once", table, tmp_path / "t.h", order=["r"])
     refused("other nodes of", table, tmp_path / "t.h", "enterprise-pbr")
     a, b = synthetic(layout("three"))
@@ -253,6 +258,9 @@ def test_damaged_words_of_a_file_are_told(tmp_path):
         path.write_text("\n".join(f"{MARK} {damage}" if MARK in row else row for row in text.splitlines()))
         with pytest.raises(EcfitError, match="damaged"):
             read_layout(path)
+    path.write_text(text)
+    with pytest.raises(EcfitError, match="no piece 'front', it is one table: leave piece out"):
+        read_layout(path, piece="front")
     for damage in ('"errors": [-1.0]', '"errors": ["x"]', '"errors": []', '"errors": 1'):
         path.write_text(text.replace('"errors": [null]', damage))
         with pytest.raises(EcfitError, match="errors must be|damaged"):
