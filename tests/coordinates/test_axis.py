@@ -152,9 +152,8 @@ def test_an_unknown_map_is_refused(through):
         Axis.spaced("mu", 4, through=through)
 
 
-@pytest.mark.parametrize(
-    ("kind", "given"), [("spacing", {}), ("spacing", None), ("map", "squre"), ("map", None)]
-)
+@pytest.mark.parametrize("kind", ["spacing", "map"])
+@pytest.mark.parametrize("given", [{}, None, "squre"])
 def test_an_axis_read_from_a_file_names_what_is_known(kind, given):
     words = {"spacing": "given", "through": "identity"} | {"through" if kind == "map" else kind: given}
     with pytest.raises(EcfitError, match=f"unknown {kind}"):
