@@ -104,6 +104,8 @@ def _from_said(
         channels, pieces = [str(c) for c in said["channels"]], list(said["pieces"])
         names = [str(p["name"]) for p in pieces]
         if channel is not None and channel not in channels:
+            if channels == [""]:
+                raise EcfitError(f"'{path}' has no channel '{channel}', it has one: leave channel out")
             raise unknown("channel", channel, channels)
         if len(names) == 1 and piece not in (None, names[0]):
             raise EcfitError(f"'{path}' has no piece '{piece}', it is one table: leave piece out")

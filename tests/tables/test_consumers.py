@@ -261,6 +261,10 @@ def test_damaged_words_of_a_file_are_told(tmp_path):
     path.write_text(text)
     with pytest.raises(EcfitError, match="no piece 'front', it is one table: leave piece out"):
         read_layout(path, piece="front")
+    with pytest.raises(EcfitError, match="no piece 'front', it is one table: leave piece out"):
+        read_layout(path, "yocto", piece="front")
+    with pytest.raises(EcfitError, match="no channel 'R', it has one: leave channel out"):
+        read_layout(path, channel="R")
     for damage in ('"errors": [-1.0]', '"errors": ["x"]', '"errors": []', '"errors": 1'):
         path.write_text(text.replace('"errors": [null]', damage))
         with pytest.raises(EcfitError, match="errors must be|damaged"):
