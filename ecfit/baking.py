@@ -159,7 +159,8 @@ class _Wanted:
             return what
         if isinstance(what, Sequence | np.ndarray) and not isinstance(what, str):
             return Axis.given(name, what)
-        return Axis.spaced(name, what, *ends(name), self.spacing or "uniform")
+        count: Any = what  # `spaced` tells what is no count
+        return Axis.spaced(name, count, *ends(name), self.spacing or "uniform")
 
 
 def _integrated(

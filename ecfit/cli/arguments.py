@@ -80,8 +80,10 @@ def plain_axes(texts: tuple[str, ...], spacing: str | None) -> dict[str, Any]:
     axes: dict[str, Any] = {}
     for text in _once(texts):
         name, low, high, count = _axis(text)
-        whole = low is not None and high is not None
-        axes[name] = ecfit.Axis.spaced(name, count, low, high, spacing or "uniform") if whole else count
+        if low is None or high is None:
+            axes[name] = count
+        else:
+            axes[name] = ecfit.Axis.spaced(name, count, low, high, spacing or "uniform")
     return axes
 
 
