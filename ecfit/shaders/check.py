@@ -26,6 +26,8 @@ COMMON = 95.0
 FLOOR = 2.0**-24
 # Twice the corners of the largest box.
 LEAST = 2 * 2**ARGUMENTS
+# 256 MB of inputs.
+MOST = 2**24
 # A target may lose as much again as NumPy's single precision does, as shading languages leave the order of
 # operations, roots and quotients some freedom; and an ulp of 1 where NumPy happens to be exact.
 AGAIN, ULP = 2.0, 2.0**-23
@@ -155,10 +157,10 @@ class Case:
     def points(self, count: int, seed: int) -> np.ndarray:
         """Points (count, 4) float32 of the closed domain: first corners and edges, then uniform ones.
 
-        Coordinates that the function does not take are 0. Raises `EcfitError` for fewer than `LEAST` points.
+        Coordinates that the function does not take are 0. Raises `EcfitError` for fewer than `LEAST` points
+        or more than `MOST`.
         """
-        if count < LEAST:
-            raise EcfitError(f"{count} points are too few for all corners: take {LEAST} or more")
+        _check_count(count)
         edged, uniform = _split(count)
         parts = points(self.taken, edged, seed), points(self.taken, uniform, seed + 1, edges=False)
         out = np.zeros((count, ARGUMENTS), dtype=np.float32)
@@ -249,10 +251,21 @@ def compare(cases: Sequence[Case], tool: Tool, count: int, seed: int = 1) -> Out
     return Outcome(found.device, tuple(agreements))
 
 
+def _check_count(count: int) -> None:
+    if count < LEAST:
+        raise EcfitError(f"{count} points are too few for all corners: take {LEAST} or more")
+    if count > MOST:
+        raise EcfitError(f"{count} points are too many: take {MOST} or fewer")
+
+
 def check_all(
     approximations: Sequence[Approximation], tools: Iterable[Tool], count: int = 4096
 ) -> Iterator[Report]:
-    """`check` with one tool after the other; what is missing or fails is said, not raised."""
+    """`check` with one tool after the other; what is missing or fails is said, not raised.
+
+    Raises `EcfitError` for a count of points that no tool takes.
+    """
+    _check_count(count)
     written: dict[str, list[Case]] = {}  # exported once a language
     for tool in tools:
         missing = tool.missing()

@@ -66,3 +66,10 @@ def test_a_fault_is_told_and_ends_with_exit_code_1(capsys, monkeypatch):
 def test_too_few_points_for_the_corners_are_refused():
     with pytest.raises(EcfitError, match="too few for all corners: take 32 or more"):
         checks.case(shipped("conductor-7"), "c").points(31, 1)
+
+
+@pytest.mark.parametrize("points", [-1, 31, 10**20])
+def test_a_count_of_points_that_no_tool_takes_is_a_mistake(points, capsys):
+    code, out, err = call(capsys, "check-export", "conductor-7", "--tool", "cc", "--points", points)
+    assert (code, out) == (2, "")
+    assert f"error: {points} points are too " in err
