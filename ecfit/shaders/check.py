@@ -9,10 +9,11 @@ import numpy as np
 from ecfit.approximation import Approximation
 from ecfit.errors import EcfitError
 from ecfit.export import LANGUAGES, code
-from ecfit.export.code import default_name, expression, slope, value_function
+from ecfit.export.code import default_name, expression, value_function
 from ecfit.export.compensation import LEAST as LEAST_ALBEDO
 from ecfit.export.compensation import factors
 from ecfit.export.coordinates import Arguments, arguments
+from ecfit.export.slopes import slope
 from ecfit.export.ulps import exact, points, ulps
 from ecfit.expressions import Node, substitute, value
 from ecfit.shaders.devices import NoDevice
@@ -202,7 +203,7 @@ def family(approximation: Approximation, language: str, derivative: str) -> list
     source = code(approximation, language, factor=True, derivative=derivative, evidence=())
     first = value_function(approximation, name, taken)
     found = [Case(Function(name, len(taken.names), source), first.value, taken)]
-    for other in (*factors(approximation, name, taken, LEAST_ALBEDO), slope(first, derivative)):
+    for other in (*factors(approximation, name, taken, LEAST_ALBEDO), slope(first, taken, derivative)):
         more = [n for n in other.arguments if n not in taken.names]
         whole = Arguments(other.arguments, (*taken.domain, *[(0.0, 1.0)] * len(more)), taken.transform)
         expression = substitute(other.value, dict.fromkeys(other.calls, first.value))

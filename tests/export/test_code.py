@@ -1,5 +1,6 @@
 """Source text of every language: names, comments, coordinates, factors, derivatives, mistakes."""
 
+import itertools
 import re
 from dataclasses import replace
 
@@ -10,6 +11,7 @@ from ecfit.approximation import Lookup, find, shipped
 from ecfit.errors import EcfitError
 from ecfit.export import LANGUAGES, code, source
 from ecfit.export.contract import fingerprint
+from ecfit.export.coordinates import arguments
 from ecfit.fitting import Fit
 from ecfit.metrics import Errors
 
@@ -129,10 +131,35 @@ def test_a_derivative_is_that_of_the_value(name, views, by):
     np.testing.assert_allclose(found[f"E_d{by}"](**at), numeric, atol=2e-8, rtol=1e-6)
 
 
-def test_a_derivative_is_finite_in_the_corners():
-    slope = run(code(shipped("conductor-10"), "python", name="E", derivative="mu"))["E_dmu"]
-    mu, alpha = np.meshgrid([0.0, 1e-6, 1.0], [0.0, 1e-6, 1.0])
-    assert np.all(np.isfinite(slope(mu, alpha)))
+@pytest.mark.parametrize("name", shipped())
+def test_a_derivative_is_finite_in_the_corners(name):
+    """By every argument, at all corners and near them, in double and single precision."""
+    fit = shipped(name)
+    taken = arguments(fit, (), False)
+    places = [(low, low + 1e-6 * (high - low), high) for low, high in taken.domain]
+    at = np.array(list(itertools.product(*places))).T
+    for by in taken.names:
+        slope = run(code(fit, "python", name="E", derivative=by, evidence=()))[f"E_d{by}"]
+        for kind in (np.float64, np.float32):
+            assert np.all(np.isfinite(slope(*at.astype(kind)))), (by, kind)
+
+
+@pytest.mark.parametrize("name", ["conductor-10", "conductor-half-10", "schlick-a-32"])
+@pytest.mark.parametrize("clamp", [False, True])
+def test_a_derivative_at_zero_is_the_limit(name, clamp):
+    """Roots of alpha have no slope at 0, the function has one: to the right of it that is a difference."""
+    found = run(code(shipped(name), "python", name="E", derivative="alpha", clamp=clamp, evidence=()))
+    mu = np.array([0.3, 0.6, 1.0])
+    numeric = (found["E"](mu, 2e-6) - found["E"](mu, 0.0)) / 2e-6
+    np.testing.assert_allclose(found["E_dalpha"](mu, 0.0), numeric, rtol=0.01, atol=1e-5)
+    assert not clamp or np.all(found["E_dalpha"](mu, -0.1) == 0.0)
+
+
+def test_only_slopes_that_are_no_number_are_raised():
+    fit = shipped("conductor-10")
+    assert "alpha_safe" in code(fit, "c", derivative="alpha")
+    assert "alpha_safe" not in code(fit, "c", derivative="mu")
+    assert np.all(run(code(fit, "python", name="E", derivative="mu"))["E_dmu"](1e-7, np.array([0.0, 0.5])) == 0.0)
 
 
 def test_coordinates_have_an_order():
