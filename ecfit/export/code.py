@@ -91,8 +91,9 @@ def parts(
         functions += factors(approximation, label, taken, options.least)
     if options.derivative:
         functions.append(slope(functions[0], taken, options.derivative))
-    for other in functions[1:]:
-        check_name(other.name, target)
+    every = {name for f in functions for name in f.arguments}
+    for f in functions:
+        check_name(f.name, target, every)
     first, known = functions[0], options.evidence
     evidence = list(known) if known is not None else evidence_for(approximation)
     price = cost(first.value) if isinstance(first, Function) else None

@@ -44,7 +44,7 @@ def slope(function: Function | TableFunction, taken: Arguments, argument: str) -
 
 
 def _lost_at_zero(node: Node, taken: Arguments, name: str) -> bool:
-    """Whether an argument's domain begins at 0, and there, amid the others' domains, the value is no number."""
+    """Whether an argument's domain begins at 0, and the value there, amid those of others, is no number."""
     ends = dict(zip(taken.names, taken.domain, strict=True))
     # Some domains end at infinity, as that of ior for F0 = 1 does.
     middle = {n: np.float64(0.5 * (low + min(high, low + 1.0))) for n, (low, high) in ends.items()}

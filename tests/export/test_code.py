@@ -159,7 +159,8 @@ def test_only_slopes_that_are_no_number_are_raised():
     fit = shipped("conductor-10")
     assert "alpha_safe" in code(fit, "c", derivative="alpha")
     assert "alpha_safe" not in code(fit, "c", derivative="mu")
-    assert np.all(run(code(fit, "python", name="E", derivative="mu"))["E_dmu"](1e-7, np.array([0.0, 0.5])) == 0.0)
+    slope = run(code(fit, "python", name="E", derivative="mu"))["E_dmu"]
+    assert np.all(slope(1e-7, np.array([0.0, 0.5])) == 0.0)
 
 
 def test_coordinates_have_an_order():
@@ -177,6 +178,11 @@ def test_coordinates_have_an_order():
         ({"name": "vec3"}, "reserved in GLSL"),
         ({"name": "_E"}, "underscores"),
         ({"name": "a__b"}, "underscores"),
+        ({"name": "alpha"}, "'alpha' is the name of an argument: choose another name"),
+        ({"name": "r", "coordinates": ("r",)}, "'r' is the name of an argument"),
+        ({"name": "F0", "factor": True}, "'F0' is the name of an argument"),
+        ({"name": "xp", "target": "python"}, "reserved in Python"),
+        ({"name": "numpy", "target": "python"}, "reserved in Python"),
         ({"coordinates": ("roughness",)}, "no coordinate 'roughness': expected one of mu, alpha, r"),
         ({"coordinates": ("ior",)}, "no coordinate 'ior'"),
         ({"derivative": "r"}, "unknown argument for a derivative 'r'"),
@@ -187,6 +193,12 @@ def test_mistakes(change, message):
     target = change.pop("target", "glsl")
     with pytest.raises(EcfitError, match=message):
         code(shipped("conductor-10"), target, **change)
+
+
+def test_locals_do_not_hide_functions_that_are_called():
+    """`E_safe` is what the albedo E is called after it has been raised."""
+    found = run(code(shipped("conductor-10"), "python", name="E_safe", factor=True))
+    assert found["E_safe_metal"](0.3, 0.9, 1.0) == pytest.approx(1.0 / found["E_safe"](0.3, 0.9))
 
 
 def test_locals_do_not_hide_what_a_language_has():
