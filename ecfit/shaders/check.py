@@ -47,6 +47,8 @@ class Agreement:
         error, numpy_error: largest absolute difference from the exact value, of the tool and of NumPy's
             float32.
         not_finite: how many values are NaN or infinite.
+        unknown: at how many points NumPy's float32, or the exact value, is NaN or infinite, so that there is
+            nothing to compare with.
     """
 
     name: str
@@ -59,17 +61,20 @@ class Agreement:
     error: float
     numpy_error: float
     not_finite: int
+    unknown: int
 
     @property
     def passes(self) -> bool:
-        """Whether all values are finite and about as exact as NumPy's float32."""
-        return not self.not_finite and self.error <= AGAIN * self.numpy_error + ULP
+        """Whether all values are finite, NumPy's too, and about as exact as NumPy's float32."""
+        finite = not self.not_finite and not self.unknown
+        return finite and self.error <= AGAIN * self.numpy_error + ULP
 
     def describe(self) -> str:
         """One line."""
         at = ", ".join(f"{k} = {v:.6g}" for k, v in self.place.items())
         where = f" at {at}" if self.worst else ""
         bad = f"; {self.not_finite} values are not finite" if self.not_finite else ""
+        bad += f"; NumPy's are not at {self.unknown} points" if self.unknown else ""
         return (
             f"{self.name}: at most {self.worst:.3g} ulps from NumPy's float32{where}; "
             f"from the exact value {self.exact_common:.3g} on {COMMON:g} %, "
@@ -288,6 +293,7 @@ def agreement(case: Case, given: np.ndarray, found: np.ndarray) -> Agreement:
         error=_apart(found, double),
         numpy_error=_apart(single, double),
         not_finite=int(np.sum(~np.isfinite(found))),
+        unknown=int(np.sum(~(np.isfinite(single) & np.isfinite(double)))),
     )
 
 
