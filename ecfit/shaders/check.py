@@ -12,6 +12,7 @@ from ecfit.export import LANGUAGES, code
 from ecfit.export.code import default_name, expression, value_function
 from ecfit.export.compensation import LEAST as LEAST_ALBEDO
 from ecfit.export.compensation import factors
+from ecfit.export.contract import fingerprint
 from ecfit.export.coordinates import Arguments, arguments
 from ecfit.export.slopes import slope
 from ecfit.export.ulps import exact, points, ulps
@@ -107,18 +108,21 @@ class Report(NamedTuple):
         outcome: what it made of the code, or None.
         reason: why there is no outcome: what is missing, or "" if it failed.
         fault: what it refused or how it failed, or "".
+        asked: whether the tool was asked for by name.
     """
 
     tool: Tool
     outcome: Outcome | None = None
     reason: str = ""
     fault: str = ""
+    asked: bool = False
 
     @property
     def passes(self) -> bool:
-        """Whether nothing is wrong; a tool that is not there is no fault."""
-        agreed = self.outcome is None or all(a.passes for a in self.outcome.agreements)
-        return agreed and not self.fault
+        """Whether nothing is wrong; a tool that is not there is a fault only if it was asked for."""
+        if self.outcome is None:
+            return not (self.fault or self.asked)
+        return all(a.passes for a in self.outcome.agreements)
 
     @property
     def done(self) -> str:
@@ -163,8 +167,7 @@ class Case:
 
         Coordinates that the function does not take are 0. Raises `EcfitError` for fewer than `LEAST` points.
         """
-        if count < LEAST:
-            raise EcfitError(f"{count} points are too few for all corners: take {LEAST} or more")
+        _enough(count)
         edged, uniform = _split(count)
         parts = points(self.taken, edged, seed), points(self.taken, uniform, seed + 1, edges=False)
         out = np.zeros((count, ARGUMENTS), dtype=np.float32)
@@ -175,6 +178,11 @@ class Case:
     def inputs(self, given: np.ndarray) -> dict[str, np.ndarray]:
         """Coordinates by name, float32, from points (count, 4)."""
         return {name: given[:, i] for i, name in enumerate(self.taken.names)}
+
+
+def _enough(count: int) -> None:
+    if count < LEAST:
+        raise EcfitError(f"{count} points are too few for all corners: take {LEAST} or more")
 
 
 def _split(count: int) -> tuple[int, int]:
@@ -189,14 +197,22 @@ def case(
 
     Raises `EcfitError` for tables, and for functions of more coordinates than a program takes.
     """
-    taken = arguments(approximation, coordinates, clamp)
-    if len(taken.names) > ARGUMENTS:
-        raise EcfitError(f"'{approximation.name}' has {len(taken.names)} coordinates, at most {ARGUMENTS}")
+    taken = _few_arguments(approximation, coordinates, clamp)
     # Of one approximation in different coordinates each has a name of its own.
     name = "_".join([default_name(approximation), *coordinates, *["clamped"] * clamp])
     source = code(approximation, language, name=name, coordinates=coordinates, clamp=clamp, evidence=())
     function = Function(name, len(taken.names), source)
     return Case(function, expression(approximation, taken), taken)
+
+
+def _few_arguments(
+    approximation: Approximation, coordinates: Sequence[str] = (), clamp: bool = False
+) -> Arguments:
+    """The arguments, as many as a program takes."""
+    taken = arguments(approximation, coordinates, clamp)
+    if len(taken.names) > ARGUMENTS:
+        raise EcfitError(f"'{approximation.name}' has {len(taken.names)} coordinates, at most {ARGUMENTS}")
+    return taken
 
 
 def family(approximation: Approximation, language: str, derivative: str) -> list[Case]:
@@ -256,21 +272,50 @@ def compare(cases: Sequence[Case], tool: Tool, count: int, seed: int = 1) -> Out
 
 
 def check_all(
-    approximations: Sequence[Approximation], tools: Iterable[Tool], count: int = 4096
+    approximations: Iterable[Approximation], tools: Iterable[Tool], count: int = 4096, asked: bool = False
 ) -> Iterator[Report]:
-    """`check` with one tool after the other; what is missing or fails is said, not raised."""
+    """`check` with one tool after the other; what is missing or fails is said, not raised.
+
+    Args:
+        approximations: the same one twice counts once.
+        tools: see `TOOLS`.
+        count: points of each domain.
+        asked: whether the tools were asked for by name: it is then a fault if one is not there.
+
+    Raises `EcfitError` for what is no fault of any tool: too few points, tables and other approximations that
+    cannot be exported, and different ones of one name.
+    """
+    _enough(count)
+    return _reports(_distinct(approximations), tools, count, asked)
+
+
+def _distinct(approximations: Iterable[Approximation]) -> list[Approximation]:
+    """What can be exported, each once."""
+    found: dict[str, Approximation] = {}
+    for one in approximations:
+        _few_arguments(one)
+        one.expression()
+        name = default_name(one)
+        if fingerprint(found.setdefault(name, one)) != fingerprint(one):
+            raise EcfitError(f"two different approximations are called '{name}': compare one at a time")
+    return list(found.values())
+
+
+def _reports(
+    approximations: Sequence[Approximation], tools: Iterable[Tool], count: int, asked: bool
+) -> Iterator[Report]:
     written: dict[str, list[Case]] = {}  # exported once a language
     for tool in tools:
         missing = tool.missing()
         if missing:
-            yield Report(tool, reason=missing)
+            yield Report(tool, reason=missing, asked=asked)
             continue
         try:
             if tool.language not in written:
                 written[tool.language] = [case(a, tool.language) for a in approximations]
             yield Report(tool, compare(written[tool.language], tool, count))
         except NoDevice as error:
-            yield Report(tool, reason=str(error))
+            yield Report(tool, reason=str(error), asked=asked)
         except EcfitError as error:
             yield Report(tool, fault=str(error))
 
