@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 
 from ecfit.approximation import Lookup, find, shipped
+from ecfit.approximation.shipped import shipped_folder
 from ecfit.errors import EcfitError
 from ecfit.export import LANGUAGES, code, source
 from ecfit.export.contract import fingerprint
 from ecfit.export.coordinates import arguments
+from ecfit.export.evidence import evidence_of
+from ecfit.files import read_json
 from ecfit.fitting import Fit
 from ecfit.metrics import Errors
 
@@ -77,6 +80,13 @@ def test_a_fit_of_a_study_tells_its_errors(tmp_path):
     done.save(tmp_path / "fit.json")
     approximation, evidence = source(str(tmp_path / "fit.json"))
     assert code(approximation, "c", evidence=evidence) == done.to_code("c")
+
+
+def test_the_points_of_an_evidence_are_those_of_the_certificate():
+    data = read_json(shipped_folder() / "conductor-10.json")
+    assert "(measured at 40000 points)" in " ".join(evidence_of(data))
+    data["certificate"]["single_hard"]["points"] = 123
+    assert "(measured at 20123 points)" in " ".join(evidence_of(data))
 
 
 @pytest.mark.parametrize("name", shipped())
@@ -163,6 +173,11 @@ def test_only_slopes_that_are_no_number_are_raised():
     assert np.all(slope(1e-7, np.array([0.0, 0.5])) == 0.0)
 
 
+def test_a_coordinate_may_be_asked_for_twice():
+    fit = shipped("conductor-10")
+    assert code(fit, "c", coordinates=("r", "r")) == code(fit, "c", coordinates="r")
+
+
 def test_coordinates_have_an_order():
     fit = find("sforza-pellacini-2022-dielectric-entering")  # of F0, r, mu
     for views, head in [((), "E(mu, r, F0)"), (("alpha", "ior"), "E(mu, alpha, ior)")]:
@@ -185,6 +200,10 @@ def test_coordinates_have_an_order():
         ({"name": "numpy", "target": "python"}, "reserved in Python"),
         ({"coordinates": ("roughness",)}, "no coordinate 'roughness': expected one of mu, alpha, r"),
         ({"coordinates": ("ior",)}, "no coordinate 'ior'"),
+        (
+            {"coordinates": ("r", "alpha")},
+            "'r' and 'alpha' are two views of one coordinate: ask for one of them",
+        ),
         ({"derivative": "r"}, "unknown argument for a derivative 'r'"),
         ({"factor": True, "least": 0.0}, r"in \(0, 1\]"),
     ],
