@@ -7,7 +7,9 @@ from ecfit.approximation import shipped
 from ecfit.errors import EcfitError
 from ecfit.export.coordinates import Arguments
 from ecfit.expressions import parse
-from ecfit.shaders.check import Case, agreement, case, check, compare
+from ecfit.shaders.agreement import agreement
+from ecfit.shaders.cases import Case, case
+from ecfit.shaders.check import check, compare
 from ecfit.shaders.compilers import CC
 from ecfit.shaders.devices import Device, NoDevice
 from ecfit.shaders.program import ARGUMENTS, Function

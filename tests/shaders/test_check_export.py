@@ -10,6 +10,7 @@ import pytest
 from ecfit import cli
 from ecfit.approximation import Lookup, shipped
 from ecfit.errors import EcfitError
+from ecfit.shaders.cases import case
 from ecfit.shaders.compilers import CC
 from ecfit.shaders.devices import NoDevice
 from ecfit.shaders.tools import TOOLS, Tool
@@ -104,4 +105,4 @@ def test_a_fault_is_told_and_ends_with_exit_code_1(capsys, monkeypatch):
 
 def test_too_few_points_for_the_corners_are_refused():
     with pytest.raises(EcfitError, match="too few for all corners: take 32 or more"):
-        checks.case(shipped("conductor-7"), "c").points(31, 1)
+        case(shipped("conductor-7"), "c").points(31, 1)

@@ -12,7 +12,8 @@ import pytest
 from ecfit.approximation import find, published_names, shipped
 from ecfit.errors import EcfitError
 from ecfit.expressions.node import topological
-from ecfit.shaders.check import case, compare, family
+from ecfit.shaders.cases import case, family
+from ecfit.shaders.check import compare
 from ecfit.shaders.devices import NoDevice
 from ecfit.shaders.tools import TOOLS
 
