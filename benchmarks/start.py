@@ -113,7 +113,7 @@ def saving(rows: Sequence[Row]) -> str:
         )
         more = f"{abs(empty - off):.1f} s {'longer' if empty >= off else 'shorter'}"
         said.append(
-            f"- `{command}`: compiled code that is there saves {off - filled:.1f} s ({1 - filled / off:.0%}); "
+            f"- `{command}`: code that is there saves {off - filled:.1f} s ({1 - filled / off:.0%}); "
             f"keeping it makes the first run {more}."
         )
     return "\n".join(said)
