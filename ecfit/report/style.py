@@ -65,8 +65,8 @@ def as_written(figure: Figure) -> Figure:
 def _laid_out(figure: Figure) -> None:
     """Find the places of a figure's parts, once for all formats: that takes longer than drawing.
 
-    Without an engine `savefig` draws once. With one, were it that of `set_layout_engine("none")`, which keeps places
-    as they are, it draws twice.
+    Without an engine `savefig` draws once. With one, twice, be it that of `set_layout_engine("none")`,
+    which moves nothing.
     """
     engine = figure.get_layout_engine()
     if engine is not None:
