@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import equinox as eqx
 import numpy as np
 
 from ecfit._jax import jax, jnp
@@ -134,6 +135,16 @@ class Approximation:
         if not isinstance(self.formula, Quotient):
             raise EcfitError(f"'{self.name}' is not a quotient of polynomials but {self.formula.kind}")
         return self.formula
+
+    @property
+    def module(self) -> eqx.Module:
+        """The Equinox module that the formula is, its arrays the coefficients.
+
+        Raises `EcfitError` for formulas of other kinds.
+        """
+        if not isinstance(self.formula, ModuleFormula):
+            raise EcfitError(f"'{self.name}' is not a module but {self.formula.kind}")
+        return self.formula.module
 
     @property
     def is_quotient(self) -> bool:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import equinox as eqx
 import numpy as np
 
 from ecfit._jax import jax
@@ -68,6 +69,14 @@ class Fit:
     @property
     def terms(self) -> Terms:
         return self.approximation.terms
+
+    @property
+    def module(self) -> eqx.Module:
+        """The fitted Equinox module, its arrays the coefficients.
+
+        Raises `EcfitError` where the form is no module.
+        """
+        return self.approximation.module
 
     @property
     def mae(self) -> float:

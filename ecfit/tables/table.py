@@ -164,8 +164,16 @@ class Table:
             )
         for status, count in self.counts().items():
             if status not in FINE and count:
-                lines.append(f"WARNING: {count} entries: {STATUS[status]}")
+                lines.append(f"WARNING: {count} entries: {STATUS[status]}{self._worst(status)}")
         return lines + [f"WARNING: {remark}" for remark in self.remarks()]
+
+    def _worst(self, status: Status) -> str:
+        """Where the entry of a status with the largest error estimate is, or the first, in words."""
+        found = np.flatnonzero(self.status == status)
+        errors = self.errors.ravel()[found]
+        first = found[:1] if np.isnan(errors).all() else found[[np.nanargmax(errors)]]
+        place = ", ".join(f"{name} = {x[0]:.4g}" for name, x in self.grid.nodes_at(first).items())
+        return f", {'the worst' if found.size > 1 else 'it is'} at {place}"
 
     def __repr__(self) -> str:
         size = " x ".join(f"{a.name} {len(a)}" for a in self.axes)
