@@ -7,7 +7,7 @@ Somebody has measured how much light a rough glass reflects, at 24 angles, each 
 and what is its index of refraction? `ecfit.directional_albedo` is a JAX function: it can be differentiated by the
 parameters of the model, so Optimistix finds the curve that fits best, and the same derivatives say how sure one may
 be: for independent noise of one size s the covariance of the estimates is s^2 inv(J'J), J being the Jacobian of the
-curve there.
+curve there. s comes from what the curve leaves over, to 15 % with 24 angles (1 / sqrt(2 x 22)), and so do the sigmas.
 
 THE MEASUREMENT IS MADE HERE: the albedo of known parameters, plus normal noise from a seed. That is what makes the
 page a check. It repeats the experiment with other noise and counts how often the truth lies within the stated
@@ -146,6 +146,7 @@ def _draw(
     right.plot(*first.values, "+", color="#D55E00", label="estimate")
     right.plot(*TRUTH, "*", color="#0072B2", markersize=10, label="truth")
     right.set(xlabel=NAMES[0], ylabel=NAMES[1])
+    right.locator_params(axis="x", nbins=5)
     right.legend(frameon=False, fontsize=8)
     figure.savefig(path, dpi=150)
     print(f"written: {path}")
