@@ -1,12 +1,10 @@
 """The numbered examples: each runs, and what it claims holds. Small here; the pages as they are run in the slow tests."""
 
 import importlib.util
-import itertools
 import os
 import re
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
@@ -69,8 +67,8 @@ def test_a_page_says_how_it_is_run_and_what_it_prints(name, page):
     assert text.splitlines()[0].endswith((".", "?"))
 
 
-def test_01_measures_the_fit_where_it_was_not_fitted(page, capsys, tmp_path):
-    found = page("01_fit_a_model").main(nodes=8, degree=1, output=tmp_path)
+def test_01_measures_the_fit_where_it_was_not_fitted(page, capsys):
+    found = page("01_fit_a_model").main(nodes=8, degree=1)
     assert found.fit.ok
     # Other nodes, another error; of the same size, since the form is smooth and has few coefficients.
     assert found.unseen.rmse != found.fit.rmse
@@ -82,7 +80,6 @@ def test_01_measures_the_fit_where_it_was_not_fitted(page, capsys, tmp_path):
     assert said is not None
     fitted, integral = map(float, said.groups())
     assert abs(fitted - integral) <= found.unseen.max_error
-    assert (tmp_path / "01-fit.png").stat().st_size > 10_000
 
 
 @pytest.mark.slow
@@ -96,7 +93,8 @@ def test_02_checks_and_fits_a_model_that_ecfit_does_not_know(page, capsys, tmp_p
     assert (tmp_path / "02-ward.png").exists()
 
 
-def test_03_prints_what_the_summary_says(page, capsys, tmp_path):
+def test_03_prints_what_the_summary_says(page, capsys, tmp_path, monkeypatch):
+    monkeypatch.setattr("ecfit.report.write_report", lambda study: None)  # it takes longer than all else here
     config = tmp_path / "small.toml"
     config.write_text(
         """name = "small"
@@ -141,13 +139,15 @@ def test_04_errs_half_as_much_as_a_plane_of_as_many_numbers(page, capsys, tmp_pa
 
 def test_05a_recovers_what_the_curve_was_made_from(page, tmp_path, capsys):
     module = page("05a_recover_roughness")
-    found = module.main(angles=12, repeats=3, output=tmp_path)
-    for estimate in (found.estimate, *found.repeated):
+    found = module.main(repeats=1, output=tmp_path)
+    (other,) = found.repeated
+    for estimate in (found.estimate, other):
         assert np.all(np.abs(estimate.off) < 3.0)
-        # Stated uncertainties that are small enough to mean something, and not nothing.
-        assert np.all(estimate.sigmas < 0.1 * module.TRUTH)
+        # Stated uncertainties that are small enough to mean something, and no accident of the start.
+        assert np.all(estimate.sigmas < 0.02 * module.TRUTH)
         assert np.all(estimate.sigmas > 0.0)
-    assert len({tuple(e.values) for e in found.repeated}) == 3
+        assert np.all(np.abs(estimate.values - module.START) > 10.0 * estimate.sigmas)
+    assert np.all(other.values != found.estimate.values)
     assert "made here" in capsys.readouterr().out
     assert (tmp_path / "05a-recovered.png").exists()
 
@@ -215,17 +215,19 @@ def test_07_finds_the_mistake_that_the_page_made(page, capsys, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PAGES)
 def test_a_page_runs_as_it_says_and_is_quiet(name, tmp_path):
-    """As a user runs it, with nothing on stderr and nothing written; the time is a user's too."""
-    environment = {**os.environ, **ONE_THREAD, "MPLBACKEND": "agg"}
-    before = list(itertools.chain(tmp_path.iterdir(), EXAMPLES.iterdir()))
-    started = time.process_time(), os.times()
+    """As a user runs it: figures where they are asked for, nothing on stderr, nothing anywhere else."""
+    figures, elsewhere = tmp_path / "figures", tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    environment = {**os.environ, **ONE_THREAD, "MPLBACKEND": "agg", "TMPDIR": str(tmp_path)}
+    before = os.times().children_user
     done = subprocess.run(
-        [sys.executable, EXAMPLES / f"{name}.py"], cwd=tmp_path, env=environment, capture_output=True, text=True
-    )
-    spent = os.times().children_user - started[1].children_user
+        [sys.executable, EXAMPLES / f"{name}.py", "--output", figures],
+        cwd=elsewhere, env=environment, capture_output=True, text=True,
+    )  # fmt: skip
+    spent = os.times().children_user - before
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     assert len(done.stdout.splitlines()) > 4
-    written = set(itertools.chain(tmp_path.iterdir(), EXAMPLES.iterdir())) - set(before)
-    assert {path.name for path in written} <= {"__pycache__"}
-    assert spent < 60.0  # of CPU
+    assert list(figures.iterdir())
+    assert list(elsewhere.iterdir()) == []
+    assert spent < 90.0  # seconds of CPU; the list of examples has what was measured
