@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
+from typing import Any
 
 from ecfit.errors import EcfitError, unknown
 
@@ -86,12 +87,12 @@ class Contract:
                 out.append(f"{name} = {value}")
         return out
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """A JSON-ready dictionary."""
         return asdict(self)
 
     @classmethod
-    def from_dict(cls, data: Mapping) -> "Contract":
+    def from_dict(cls, data: Mapping[str, Any]) -> "Contract":
         """The inverse of `to_dict`; raises `EcfitError` for unknown or missing keys."""
         known = {f.name for f in fields(cls)}
         if not isinstance(data, Mapping) or "model" not in data:

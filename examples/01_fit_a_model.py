@@ -4,12 +4,12 @@
     python examples/01_fit_a_model.py --output figures
 
 A renderer that adds the energy which a rough metal loses between its facets needs the directional albedo
-E(r, mu) of the white metal at every shading point. `tabulate` integrates it, with an error estimate for every
-entry; `fit` looks for the best rational of a degree; and the errors are measured on a table that the fit has
-never seen, finer and at other nodes.
+E(r, mu) of the white metal at every shading point. `tabulate` integrates it, with an error estimate for
+every entry; `fit` looks for the best rational of a degree; and the errors are measured on a table that the
+fit has never seen, finer and at other nodes.
 
-Printed: the table, the fit with its errors, the errors on the finer table, one value of the formula beside the
-integral, and the formula as code. With --output also `01-fit.png`: E and its fit as slices, the signed
+Printed: the table, the fit with its errors, the errors on the finer table, one value of the formula beside
+the integral, and the formula as code. With --output also `01-fit.png`: E and its fit as slices, the signed
 error as an image.
 """
 

@@ -3,15 +3,16 @@
     python examples/03_sweep.py
     python examples/03_sweep.py --config configs/quick.toml --output figures
 
-A study is a file and not a script, so that it can be kept, compared and run again; what is there is not done
-again. The file here is `sweep.toml` beside this one. This page reads it before anything is computed, runs it,
-and then reads `summary.csv`, one row a fit, as any other program would. From the command line it is
+A study is a file and not a script, so that it can be kept, compared and run again; what is there is not
+done again. The file here is `sweep.toml` beside this one. This page reads it before anything is computed,
+runs it, and then reads `summary.csv`, one row a fit, as any other program would. From the command line it
+is
 
     ecfit run examples/sweep.toml
 
-Printed: what the file asks for, the verdict for each table, and the summary: RMS error by degree, with what is
-published beside it. The results, with the report as a page, go to a temporary folder, or to that of --output;
-there `03-sweep.png` is drawn as well: RMS error against degree.
+Printed: what the file asks for, the verdict for each table, and the summary: RMS error by degree, with what
+is published beside it. The results, with the report as a page, go to a temporary folder, or to that of
+--output; there `03-sweep.png` is drawn as well: RMS error against degree.
 """
 
 import csv

@@ -3,14 +3,14 @@
     python examples/04_own_form.py
     python examples/04_own_form.py --output figures
 
-A rough metal loses energy in proportion to alpha, roughly, and less at grazing angles than seen from above; what
-counts as grazing is mu against alpha. `Blend` says just that in three numbers: the loss is c0 alpha at mu = 0, tends
-to c1 alpha for mu >> alpha, and c2 says how soon. Its array holds the coefficients, its values are the start;
-`ecfit.fit` does the rest by Levenberg-Marquardt with derivatives from JAX. A plane (a polynomial of degree 1) has
-three numbers too, and errs twice as much.
+A rough metal loses energy in proportion to alpha, roughly, and less at grazing angles than seen from above;
+what counts as grazing is mu against alpha. `Blend` says just that in three numbers: the loss is c0 alpha at
+mu = 0, tends to c1 alpha for mu >> alpha, and c2 says how soon. Its array holds the coefficients, its
+values are the start; `ecfit.fit` does the rest by Levenberg-Marquardt with derivatives from JAX. A plane (a
+polynomial of degree 1) has three numbers too, and errs twice as much.
 
-The decorator gives the form a name. With it a config can ask for it (`form = "module"`, `module = "blend"`) and a
-file can hold its fit: the name and three numbers, never code.
+The decorator gives the form a name. With it a config can ask for it (`form = "module"`, `module = "blend"`)
+and a file can hold its fit: the name and three numbers, never code.
 
 Printed: both fits with their errors, the fitted module, and what comes back from a file. With --output also
 `04-blend.png`: both forms against the table as slices.

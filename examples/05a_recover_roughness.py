@@ -3,15 +3,16 @@
     python examples/05a_recover_roughness.py
     python examples/05a_recover_roughness.py --output figures
 
-Somebody has measured how much light a rough glass reflects, at 24 angles, each value with some noise. How rough is it,
-and what is its index of refraction? `ecfit.directional_albedo` is a JAX function: it can be differentiated by the
-parameters of the model, so Optimistix finds the curve that fits best, and the same derivatives say how sure one may
-be: for independent noise of one size s the covariance of the estimates is s^2 inv(J'J), J being the Jacobian of the
-curve there. s comes from what the curve leaves over, to 15 % with 24 angles (1 / sqrt(2 x 22)), and so do the sigmas.
+Somebody has measured how much light a rough glass reflects, at 24 angles, each value with some noise. How
+rough is it, and what is its index of refraction? `ecfit.directional_albedo` is a JAX function: it can be
+differentiated by the parameters of the model, so Optimistix finds the curve that fits best, and the same
+derivatives say how sure one may be: for independent noise of one size s the covariance of the estimates is
+s^2 inv(J'J), J being the Jacobian of the curve there. s comes from what the curve leaves over, to 15 % with
+24 angles (1 / sqrt(2 x 22)), and so do the sigmas.
 
-THE MEASUREMENT IS MADE HERE: the albedo of known parameters, plus normal noise from a seed. That is what makes the
-page a check. It repeats the experiment with other noise and counts how often the truth lies within the stated
-uncertainty: 68 % of the time within one sigma, were they exact.
+THE MEASUREMENT IS MADE HERE: the albedo of known parameters, plus normal noise from a seed. That is what
+makes the page a check. It repeats the experiment with other noise and counts how often the truth lies
+within the stated uncertainty: 68 % of the time within one sigma, were they exact.
 
 Printed: the estimates with their uncertainties, beside the truth, and that count. With --output also
 `05a-recovered.png`: the measurement with the curve, and all the repeated estimates with the stated ellipse.
@@ -78,7 +79,7 @@ def estimator(mu: jax.Array) -> Callable[[jax.Array], Estimate]:
         found = optimistix.least_squares(lambda z, y: curve(inside(z)) - y, solver, start, measured)
         best = inside(found.value)
         residual, jacobian = curve(best) - measured, jax.jacfwd(curve)(best)
-        variance = residual @ residual / (len(measured) - len(NAMES))  # of the noise, as the residual shows it
+        variance = residual @ residual / (len(measured) - len(NAMES))  # of the noise, as seen
         return best, variance * jnp.linalg.inv(jacobian.T @ jacobian)
 
     return lambda measured: Estimate(*map(np.asarray, solve(measured)))

@@ -4,17 +4,17 @@
     python examples/05b_learn_a_map.py --degree 3 --output figures
 
 Whether a rational should be one in r, in alpha = r^2, or in something between is mostly a habit. It can be
-learned: `learned-rational` is P / Q in r^p and mu^q, whose exponents p and q descend together with the coefficients,
-from the plain rational at p = q = 1. The exponents are numbers to store like the others; so the fair comparison is
-not with the plain rational, but with one that keeps r and mu as they are and spends the two numbers on two more
-terms: the best that `ecfit.Selected` finds among all terms of one degree more.
+learned: `learned-rational` is P / Q in r^p and mu^q, whose exponents p and q descend together with the
+coefficients, from the plain rational at p = q = 1. The exponents are numbers to store like the others; so
+the fair comparison is not with the plain rational, but with one that keeps r and mu as they are and spends
+the two numbers on two more terms: the best that `ecfit.Selected` finds among all terms of one degree more.
 
-At degree 2 and 3 the learned map has the smaller RMS error of the two, at degree 1 the larger one: `--degree 1`. What
-this does not show: a power is dearer than a multiplication, the search for terms proves nothing, and forms of
-another structure are better than either (docs/choosing-a-fit.md).
+At degree 2 and 3 the learned map has the smaller RMS error of the two, at degree 1 the larger one:
+`--degree 1`. What this does not show: a power is dearer than a multiplication, the search for terms proves
+nothing, and forms of another structure are better than either (docs/choosing-a-fit.md).
 
-Printed: the plain rational, the learned one with its exponents, and the fixed one of as many numbers. With --output
-also `05b-map.png`: the three errors along r and along mu.
+Printed: the plain rational, the learned one with its exponents, and the fixed one of as many numbers. With
+--output also `05b-map.png`: the three errors along r and along mu.
 """
 
 from pathlib import Path

@@ -3,18 +3,19 @@
     python examples/06_check_in_a_shader.py
     python examples/06_check_in_a_shader.py --fit conductor-10 --fit results/quick/fits/x.json --output code
 
-What a renderer compiles is text, in single precision, with the digits that were printed. The errors of a fit are
-those of Python in double. Between the two stands a compiler; so it is asked. `ecfit.shaders` writes the same
-expression in the language of every tool that it finds here (a C compiler, OpenGL on the processor or a GPU, WebGPU,
-Slang, ...), runs it at points of the closed domain, corners and edges first, and compares the values with those of
-NumPy in single precision, in units in the last place, and with the exact ones.
+What a renderer compiles is text, in single precision, with the digits that were printed. The errors of a
+fit are those of Python in double. Between the two stands a compiler; so it is asked. `ecfit.shaders` writes
+the same expression in the language of every tool that it finds here (a C compiler, OpenGL on the processor
+or a GPU, WebGPU, Slang, ...), runs it at points of the closed domain, corners and edges first, and compares
+the values with those of NumPy in single precision, in units in the last place, and with the exact ones.
 
-Nothing has to be installed for this page: what is missing is said, with what to install. From the command line:
+Nothing has to be installed for this page: what is missing is said, with what to install. From the command
+line:
 
     ecfit check-export conductor-10
 
-Printed: the GLSL of the fit, a line for each tool, and the verdict. With --output the code is kept there, a file
-for each fit, in GLSL and C.
+Printed: the GLSL of the fit, a line for each tool, and the verdict. With --output the code is kept there, a
+file for each fit, in GLSL and C.
 """
 
 from pathlib import Path
@@ -66,7 +67,7 @@ def main(*, fit: tuple[str, ...] = (FIT,), tools: tuple[str, ...] = TRIED, point
         print(f"\nNOT THE SAME: {', '.join(wrong)}")
     elif outcomes:
         worst = max((a.worst for outcome in outcomes for a in outcome.agreements), default=0.0)
-        print(f"\nas in Python on {len(outcomes)} of {len(reports)} tools, to {worst:.3g} units in the last place")
+        print(f"\nas in Python on {len(outcomes)} of {len(reports)} tools, to {worst:.3g} ulps")
     else:
         print(f"\nnothing to compare with: none of {', '.join(tools)} is here")
 

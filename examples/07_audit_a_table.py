@@ -3,13 +3,14 @@
     python examples/07_audit_a_table.py
     python examples/07_audit_a_table.py --output folder
 
-Half of the errors of this field are conventions. Here is a colleague's table of the directional albedo of a rough
-metal, `theirs.csv`, with the columns r, mu and value. THE PAGE WRITES IT ITSELF, WITH A MISTAKE: its rows were computed
-for alpha, but the column is called r. No number in it is impossible, and a fit to it would look good.
+Half of the errors of this field are conventions. Here is a colleague's table of the directional albedo of a
+rough metal, `theirs.csv`, with the columns r, mu and value. THE PAGE WRITES IT ITSELF, WITH A MISTAKE: its
+rows were computed for alpha, but the column is called r. No number in it is impossible, and a fit to it
+would look good.
 
-`ecfit.audit` integrates some of the entries again under the claimed conventions. Where they differ it undoes one
-mistake after another until the numbers agree: that one is likely. Then the table is read as it was meant, and
-audited once more. From the command line, the first of the two is
+`ecfit.audit` integrates some of the entries again under the claimed conventions. Where they differ it
+undoes one mistake after another until the numbers agree: that one is likely. Then the table is read as it
+was meant, and audited once more. From the command line, the first of the two is
 
     ecfit check theirs.csv --axis r=12 --axis mu=12 --model conductor
 
@@ -38,7 +39,9 @@ def theirs(nodes: int) -> str:
     """The text of a file as a colleague might send it: a line an entry, alpha in the column r."""
     table = ecfit.tabulate("conductor", {"alpha": nodes, "mu": nodes})
     alpha, mu = (axis.nodes for axis in table.axes)
-    lines = [f"{a:.6f},{m:.6f},{table.values[i, k]:.6f}" for i, a in enumerate(alpha) for k, m in enumerate(mu)]
+    lines = [
+        f"{a:.6f},{m:.6f},{table.values[i, k]:.6f}" for i, a in enumerate(alpha) for k, m in enumerate(mu)
+    ]
     return "\n".join(["# directional albedo of a GGX metal, F = 1", "r,mu,value", *lines, ""])
 
 

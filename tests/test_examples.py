@@ -1,4 +1,4 @@
-"""The numbered examples: each runs, and what it claims holds. Small here; the pages as they are run in the slow tests."""
+"""The numbered examples: each runs, and what it claims holds. Small here; the slow ones as users run them."""
 
 import importlib.util
 import os
@@ -154,7 +154,7 @@ def test_05a_recovers_what_the_curve_was_made_from(page, tmp_path, capsys):
 
 @pytest.mark.slow
 def test_05a_states_uncertainties_that_hold(page):
-    """Of 100 repetitions about 68 lie within one sigma; a binomial has fewer than 54 or more than 82 in 1 of 500.
+    """About 68 of 100 repetitions lie within one sigma: fewer than 54 or more than 82 once in 500 such tests.
 
     Sigmas that were wrong by a factor of 1.5 would give 50 or 87.
     """

@@ -246,7 +246,7 @@ class Approximation:
         except EcfitError as error:
             raise EcfitError(f"'{self.name}': {error}") from None
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """A JSON-ready dictionary that `from_dict` reads back exactly."""
         return {
             "name": self.name,

@@ -65,7 +65,7 @@ class Formula(abc.ABC):
         return [(f"number {i + 1}", float(c)) for i, c in enumerate(self.coefficients)]
 
     @abc.abstractmethod
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """A JSON-ready dictionary that `from_dict` reads back exactly."""
 
     def on_grid(self, nodes: Sequence[np.ndarray]) -> np.ndarray:
@@ -205,7 +205,7 @@ class Quotient(Formula):
             raise EcfitError("the denominator vanishes at the new origin")
         return replace(self, values=values, scales=tuple(scales))
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         return {
             "scales": [list(s) for s in self.scales],
             "numerator_exponents": self.terms.numerator.tolist(),

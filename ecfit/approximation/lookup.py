@@ -77,7 +77,7 @@ class Lookup(Formula):
     def smallest_denominator(self, domain: Box) -> Minimum:
         return Minimum(1.0, tuple(low for low, _ in domain), 1.0)
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         return {
             "grid": self.grid.tolist(),
             "ranges": [list(r) for r in self.ranges],

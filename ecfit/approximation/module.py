@@ -80,7 +80,7 @@ class ModuleFormula(Formula):
     def rows(self, names: Sequence[str]) -> list[tuple[str, float]]:
         return list(zip(labels_of(self.module), map(float, self.coefficients), strict=True))
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """See `Formula`. Raises `EcfitError` for a module that is not registered."""
         if self.record is None:
             raise EcfitError(

@@ -80,7 +80,7 @@ class StructuredFormula(Formula):
             for row, c in zip(exponents, values, strict=True)
         ]
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         return {"structure": self.structure.to_dict(), "coefficients": self.values.tolist()}
 
     @classmethod

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -64,7 +65,7 @@ class Sampling:
             out[name] = np.clip(scale[1](drawn), low, high)
         return out
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """A JSON-ready dictionary."""
         ranges = {name: list(ends) for name, ends in self.ranges.items()}
         return {**asdict(self), "ranges": ranges, "logarithmic": list(self.logarithmic)}

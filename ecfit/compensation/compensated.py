@@ -6,6 +6,7 @@ the exact integral.
 
 import abc
 from collections.abc import Mapping
+from typing import Any
 
 import equinox as eqx
 
@@ -188,7 +189,10 @@ _METHODS = {"turquin": Turquin, "kulla-conty": KullaConty}
 
 
 def compensate(
-    model: BSDF | type[BSDF] | str, albedo: Approximation | None = None, method: str = "turquin", **settings
+    model: BSDF | type[BSDF] | str,
+    albedo: Approximation | None = None,
+    method: str = "turquin",
+    **settings: Any,
 ) -> Compensated:
     """A model with its energy put back.
 

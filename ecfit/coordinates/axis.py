@@ -1,10 +1,11 @@
 """Axes: where a table is integrated, and what a fit sees."""
 
 import numbers
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ecfit.coordinates.maps import MAPS
 from ecfit.errors import EcfitError, unknown
@@ -131,7 +132,7 @@ class Axis:
         return cls(name, nodes, nodes, spacing, through, float(low), float(high))
 
     @classmethod
-    def given(cls, name: str, nodes: ArrayLike) -> "Axis":
+    def given(cls, name: str, nodes: Sequence[Any] | np.ndarray) -> "Axis":
         """An axis with the given increasing nodes."""
         return cls(name, nodes, nodes)  # type: ignore[arg-type]
 

@@ -170,7 +170,7 @@ class Fit:
 
         return code(self.approximation, language, **{"evidence": evidence_of(self.to_dict()), **options})
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """A JSON-ready dictionary that `from_dict` reads back."""
         return {
             **self.approximation.to_dict(),

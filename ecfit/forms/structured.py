@@ -254,7 +254,7 @@ class Structure:
             denominator=self.denominator[:, used],
         )
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """A JSON-ready dictionary that `from_dict` reads back."""
         return {
             "head": head_to_dict(self.head),
