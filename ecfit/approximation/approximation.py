@@ -78,7 +78,10 @@ class Approximation:
         source: str = OURS,
         scales: tuple[tuple[float, float], ...] = (),
     ) -> "Approximation":
-        """A quotient of polynomials; see `Quotient` for terms, coefficients and scales."""
+        """A quotient of polynomials; see `Quotient` for terms, coefficients and scales.
+
+        Raises `EcfitError` for coefficients that are not finite, or not as many as the terms.
+        """
         try:
             formula = Quotient(terms, np.asarray(coefficients), scales)
         except EcfitError as error:
@@ -230,7 +233,10 @@ class Approximation:
         return self.formula.smallest_denominator(self.domain)
 
     def with_quotient(self, **changes: Any) -> "Approximation":
-        """The same with other `values` (coefficients), `scales` or `terms` of its quotient."""
+        """The same with other `values` (coefficients), `scales` or `terms` of its quotient.
+
+        Raises `EcfitError` where the formula is no quotient, and for parts that do not fit together.
+        """
         try:
             return replace(self, formula=replace(self._quotient, **changes))
         except EcfitError as error:

@@ -50,6 +50,7 @@ class Written(Formula):
 
     @property
     def count(self) -> int:
+        """Numbers to store."""
         return self.numbers or self.coefficients.size
 
     def expression(self, names: Sequence[str]) -> Node:

@@ -52,6 +52,7 @@ class Proof:
         return f"{self.claim}: {verdict}, lower bound {self.bound:.4g} ({found})"
 
     def to_dict(self) -> dict[str, Any]:
+        """A JSON-ready dictionary."""
         return asdict(self)
 
 

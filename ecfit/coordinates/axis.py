@@ -133,7 +133,10 @@ class Axis:
 
     @classmethod
     def given(cls, name: str, nodes: Sequence[Any] | np.ndarray) -> "Axis":
-        """An axis with the given increasing nodes."""
+        """An axis with the given increasing nodes, shape (count,) with count >= 2; its range ends with them.
+
+        Raises `EcfitError` for nodes that are not finite numbers, or do not increase.
+        """
         return cls(name, nodes, nodes)  # type: ignore[arg-type]
 
     @property

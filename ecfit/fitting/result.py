@@ -68,6 +68,7 @@ class Fit:
 
     @property
     def terms(self) -> Terms:
+        """Exponents that give the coefficients their meaning. Raises `EcfitError` where it is no quotient."""
         return self.approximation.terms
 
     @property
@@ -80,14 +81,17 @@ class Fit:
 
     @property
     def mae(self) -> float:
+        """Mean absolute error over the finite entries of the table, in the unit of its values."""
         return self.errors.mae
 
     @property
     def rmse(self) -> float:
+        """Root of the mean squared error over the same entries."""
         return self.errors.rmse
 
     @property
     def max_error(self) -> float:
+        """Largest absolute error over the same entries; its place is in `errors`."""
         return self.errors.max_error
 
     @property

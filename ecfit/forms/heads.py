@@ -96,6 +96,7 @@ class Head:
 
     @property
     def ratios(self) -> int:
+        """Number of ratios P / Q that the text speaks of."""
         return len(self.factors)
 
     @property

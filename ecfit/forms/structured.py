@@ -130,6 +130,7 @@ class Structure:
 
     @property
     def ratio_orders(self) -> tuple[float, ...]:
+        """Order of each ratio P / Q at the corner alpha = mu = 0."""
         *numerators, denominator = self.group_orders
         return tuple(n - denominator for n in numerators)
 

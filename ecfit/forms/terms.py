@@ -115,6 +115,7 @@ class Terms:
 
     @property
     def variables(self) -> int:
+        """Number of variables."""
         return self.numerator.shape[1]
 
     @property

@@ -116,10 +116,12 @@ class Table:
 
     @property
     def grid(self) -> Grid:
+        """The axes as a grid."""
         return Grid(self.axes)
 
     @property
     def names(self) -> tuple[str, ...]:
+        """Names of the axes, in the order of the dimensions of `values`."""
         return self.grid.names
 
     @property

@@ -100,7 +100,7 @@ class Request:
         tolerance: float = 1e-7,
         quantity_options: Mapping[str, int] | None = None,
     ) -> "Request":
-        """Resolve names and axis counts; see `tabulate` for the arguments."""
+        """Resolve names and axis counts; arguments and errors (`EcfitError`) are those of `tabulate`."""
         bsdf = as_model(model)
         quantity_ = quantity(quantity_name, lobe, transport, **(quantity_options or {}))
         if not isinstance(axes, Mapping) or not axes:
