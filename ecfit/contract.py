@@ -42,6 +42,9 @@ class Contract:
         quantity_options: settings of the quantity in numbers: exponent, ...
         stored: "E" (a table of 1 - E is converted on reading).
         sampling: "clamped" where nodes differ from the coordinates that a fit sees, else "true".
+
+    Raises `EcfitError` for names that it does not know, and settings that are not words (options) or
+    numbers.
     """
 
     model: str

@@ -45,6 +45,8 @@ class Approximation:
         domain: (low, high) of each variable.
         contract: the conventions of what is approximated.
         source: who published it, or `OURS`.
+
+    Raises `EcfitError` unless variables, domain and formula agree in number, with low < high everywhere.
     """
 
     name: str

@@ -87,6 +87,9 @@ class Quotient(Formula):
         values: coefficients, float64, numerator then denominator (whose constant 1 is implied).
         scales: (origin, unit) of each variable x: the monomials are those of (x - origin) / unit.
             By default (0, 1).
+
+    Raises `EcfitError` for coefficients that are not finite or not as many as the terms, and malformed
+    scales.
     """
 
     kind: ClassVar[str] = "quotient"

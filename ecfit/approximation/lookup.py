@@ -22,6 +22,8 @@ class Lookup(Formula):
         grid: values, float64, one dimension a variable.
         ranges: (low, high) of each variable.
         through: name of the map of each variable (`ecfit.coordinates.MAPS`).
+
+    Raises `EcfitError` for fewer than 2 values an axis, values that are not finite, and unknown maps.
     """
 
     kind: ClassVar[str] = "lookup"

@@ -28,6 +28,8 @@ class ModuleFormula(Formula):
         module: with its coefficients.
         names: coordinates that it is called with, in order.
         record: its registered name and settings; None where it has none, and cannot be written.
+
+    Raises `EcfitError` for coefficients that are not finite.
     """
 
     kind: ClassVar[str] = "module"

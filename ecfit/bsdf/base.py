@@ -57,6 +57,8 @@ class BSDF(eqx.Module):
         conserving: the albedo never exceeds 1.
         fresnel_parameters: parameters that enter the integrand through the Fresnel factor only: a table's
             entries that differ in one of them share the geometry, which makes them cheap.
+
+    Raises `EcfitError` where an option is none of its choices.
     """
 
     reciprocal: ClassVar[bool] = True

@@ -30,6 +30,8 @@ class Sampling:
         ranges: of r, mu and s = sqrt(F0), within the approximation's domain; s over all of it by default.
             Rougher than 0.03 and steeper than 0.02 is what renderers use; the rest is measured apart.
         logarithmic: coordinates that are uniform in their logarithm instead.
+
+    Raises `EcfitError` for less than 1 point.
     """
 
     count: int = 20_000

@@ -48,6 +48,9 @@ class Axis:
         spacing: a name of `SPACINGS`.
         through: the named map y = map(t) such that the spacing holds in t.
         low, high: range of the nominal coordinate: the domain of a fit.
+
+    Raises `EcfitError` for fewer than 2 nodes, nodes that are not finite numbers or do not increase, and
+    unknown names.
     """
 
     name: str

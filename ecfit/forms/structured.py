@@ -65,6 +65,9 @@ class Structure:
         denominator: exponents of the shared Q, shape (terms, features); the first has the coefficient 1.
         charted: whether the value is evaluated in t = alpha / rho, m = mu / rho and rho = alpha + mu, where
             no power of alpha and mu underflows: the same function, also good in half precision.
+
+    Raises `EcfitError` for features that repeat, a number of ratios that is not the head's, and ratios
+    without terms.
     """
 
     head: Head

@@ -20,6 +20,8 @@ class Quantity(eqx.Module):
 
     Attributes:
         lobe, transport: names of `ecfit.contract.LOBES` and `TRANSPORTS`.
+
+    Raises `EcfitError` for an unknown lobe or transport.
     """
 
     lobe: str = eqx.field(static=True, default="all")

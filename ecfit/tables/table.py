@@ -43,6 +43,8 @@ class Table:
         contract: the conventions that give the values their meaning.
         tolerance: the absolute error that was asked for; NaN where nobody asked.
         provenance: versions and the key of the request; of a given table, its source and key.
+
+    Raises `EcfitError` where values, errors or status have not the shape of the axes.
     """
 
     values: np.ndarray

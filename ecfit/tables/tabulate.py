@@ -54,7 +54,11 @@ def default_range(
 
 @dataclass(frozen=True)
 class Request:
-    """A table to be computed: everything that determines its values. Validates on construction."""
+    """A table to be computed: everything that determines its values. Validates on construction.
+
+    Raises `EcfitError` for a tolerance outside (0, 1), axes outside the model's domain, and ones that the
+    quantity lacks or ignores.
+    """
 
     model: BSDF
     grid: Grid
