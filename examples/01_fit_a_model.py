@@ -56,9 +56,9 @@ def main(*, nodes: int = 32, degree: int = 3, output: Path | None = None) -> Fou
     unseen = measure(fit.approximation, ecfit.tabulate("conductor", between))
     print(f"where it was not fitted: RMSE {unseen.rmse:.4e}, largest error {unseen.max_error:.4e}")
 
-    place = {"r": 0.5, "mu": 0.3}
-    integral = ecfit.directional_albedo("conductor", **place)
-    print(f"at r = 0.5, mu = 0.3: the fit says {fit(**place):.5f}, the integral {integral:.5f}\n")
+    r, mu = 0.5, 0.3
+    integral = ecfit.directional_albedo("conductor", r=r, mu=mu)
+    print(f"at r = {r}, mu = {mu}: the fit says {fit(r=r, mu=mu):.5f}, the integral {integral:.5f}\n")
     print(fit.to_code("glsl"))
 
     if output is not None:

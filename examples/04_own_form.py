@@ -74,8 +74,9 @@ def main(*, nodes: int = 32, output: Path | None = None) -> Found:
 
     if output is not None:
         output.mkdir(parents=True, exist_ok=True)
-        figure, axes = plt.subplots(figsize=(5.6, 4.0), layout="constrained")
+        figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
         plot_slice(table, ours, plane, axes=axes)
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
         figure.savefig(output / "04-blend.png", dpi=150)
         print(f"written: {output / '04-blend.png'}")
     return Found(table, ours, plane, again)
