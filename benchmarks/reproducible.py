@@ -1,18 +1,17 @@
 """How far runs of one study are apart: run twice, with more threads and workers, and on lesser processors.
 
-    python benchmarks/reproducible.py                            # configs/quick.toml, about five minutes
-    python benchmarks/reproducible.py configs/paper-small.toml   # any other study
-    python benchmarks/reproducible.py configs/best.toml --tables conductor schlick-b
-    python benchmarks/reproducible.py --write                    # puts the rows into docs/trust.md
+    python benchmarks/reproducible.py                      # configs/quick.toml: seven runs in five minutes
+    python benchmarks/reproducible.py --quick CONFIG ...   # two runs: as it is, and held to SSE4.2
+    python benchmarks/reproducible.py --quick configs/best.toml --tables conductor-correlated average
 
-Every run is a fresh process with a fresh results folder and without the compilation cache. A lesser processor
-is this one, held to an instruction set: XLA by --xla_cpu_max_isa, OpenBLAS by OPENBLAS_CORETYPE and NumPy by
-NPY_DISABLE_CPU_FEATURES, all of which change the order of sums and whether products are fused into them. That
-needs an x86 processor with AVX-512, or the first rows are the same code twice. Tables are integrated by each
-run, so their differences are in those of the fits.
+Prints Markdown. Every run is a fresh process with a fresh results folder and without the compilation cache. A
+lesser processor is this one, held to an instruction set: XLA by --xla_cpu_max_isa, OpenBLAS by
+OPENBLAS_CORETYPE and NumPy by NPY_DISABLE_CPU_FEATURES, all of which change the order of sums and whether
+products are fused into them. That needs an x86 processor with AVX-512; on others some rows are the same code
+twice. Each run integrates its own tables, so that their differences are in those of the fits.
 
-The exit code is 1 where runs that should be the same differ in a byte, or where a fit moves by more than
-`ecfit.study.apart` promises.
+The exit code is 1 where runs that should be the same differ in a byte, or where a table or fit moves by more
+than `ecfit.study.apart` promises.
 """
 
 import argparse
@@ -24,12 +23,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-import common
-import numpy as np
+import common  # noqa: F401  (before NumPy: one thread for OpenBLAS)
 
 from ecfit._cache import SWITCH
 from ecfit.config import read_config, to_toml
-from ecfit.study.apart import SAME_ENTRY, SAME_FUNCTION, fits_apart, tables_apart
+from ecfit.study.apart import SAME_ENTRY, fits_apart, tables_apart
 from ecfit.workers import ONE_THREAD
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -102,42 +100,35 @@ def only(config: Path, tables: Sequence[str], folder: Path) -> Path:
     return path
 
 
-def measured(config: Path, folder: Path) -> tuple[list[list[str]], bool]:
-    """A row a setting, and whether all promises are kept."""
-    first, rows, kept = folder / "0", [], True
-    for i, setting in enumerate(SETTINGS):
+def measured(config: Path, settings: Sequence[Setting], folder: Path) -> bool:
+    """Print a row a setting; whether all promises are kept."""
+    first, kept = folder / "0", True
+    run(config, first, settings[0])
+    old = files(first)
+    for i, setting in enumerate(settings[1:], 1):
         results = folder / str(i)
         run(config, results, setting)
-        if i == 0:
-            continue
-        old, new = files(first), files(results)
+        new = files(results)
         differ = [name for name in sorted(old | new) if old.get(name) != new.get(name)]
         tables, fits = tables_apart(config, first, results), fits_apart(config, first, results)
-        kept &= not (setting.exact and differ)
+        worst = max(fits, key=lambda f: f.share)
+        cells = (
+            f"`{config.name}`", setting.name, f"{len(old) - len(differ)} of {len(old)}",
+            f"{max(tables.values()):.0e}", f"{sum(f.coefficients == 0.0 for f in fits)} of {len(fits)}",
+            f"{max(f.coefficients for f in fits):.0e}",
+            f"{max(f.function for f in fits):.0e}", f"{worst.share:.0e} ({worst.label})",
+        )  # fmt: skip
+        print(f"| {' | '.join(cells)} |", flush=True)
+        if setting.exact:
+            kept &= not differ
+            print(*(f"  differs: {name}" for name in differ), sep="\n", file=sys.stderr)
         kept &= max(tables.values()) <= SAME_ENTRY and all(f.same for f in fits)
-        relative = np.array([f.function / f.max_error for f in fits])
-        worst = fits[int(np.argmax(relative))]
-        rows.append([
-            setting.name,
-            f"{len(old) - len(differ)} of {len(old)}",
-            f"{max(tables.values()):.1e}",
-            f"{np.median([f.coefficients for f in fits]):.1e}",
-            f"{max(f.coefficients for f in fits):.1e}",
-            f"{max(f.function for f in fits):.1e}",
-            f"{np.max(relative):.1e}",
-            worst.label,
-        ])  # fmt: skip
-        print(f"{config.name}: {' | '.join(rows[-1])}", flush=True)
-        for f in sorted(fits, key=lambda f: -f.function / f.max_error)[:5]:
-            print("   ", f)
-        print("   ", differ[:6])
-    return rows, kept
+    return kept
 
 
-HEADER = (
-    "against one thread, one worker", "files the same", "entry / tolerance", "coefficient, median", "worst",
-    "function", "/ largest error", "fit",
-)  # fmt: skip
+HEADER = """
+| study | against one thread and one worker | files the same | entry / tolerance | fits the same | coefficient | function | / largest error |
+|---|---|---:|---:|---:|---:|---:|---:|"""  # noqa: E501
 
 
 def main() -> None:
@@ -145,16 +136,17 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("configs", nargs="*", type=Path, default=[ROOT / "configs" / "quick.toml"])
-    parser.add_argument("--tables", nargs="+", help="only these tables of the config, and their fits")
+    parser.add_argument("--tables", nargs="+", help="only these tables of the configs, and their fits")
+    parser.add_argument("--quick", action="store_true", help="the first setting and the last only")
     given = parser.parse_args()
-    fine = True
+    settings = [SETTINGS[0], SETTINGS[-1]] if given.quick else SETTINGS
+    print(HEADER, flush=True)
+    kept = True
     for config in given.configs:
         with tempfile.TemporaryDirectory() as name:
-            folder = Path(name)
-            rows, kept = measured(only(config, given.tables, folder) if given.tables else config, folder)
-        common.show(config.name, HEADER, rows)
-        fine &= kept
-    raise SystemExit(0 if fine else 1)
+            chosen = only(config, given.tables, Path(name)) if given.tables else config
+            kept &= measured(chosen, settings, Path(name))
+    raise SystemExit(0 if kept else 1)
 
 
 if __name__ == "__main__":

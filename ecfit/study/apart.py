@@ -10,6 +10,7 @@ from ecfit.config import read_config
 from ecfit.errors import EcfitError
 from ecfit.files import read_json
 from ecfit.fitting import Fit
+from ecfit.fitting.result import EXACT
 from ecfit.study.fits import fit_path
 from ecfit.study.plan import make_plan
 from ecfit.study.runner import table_path
@@ -33,7 +34,7 @@ class Apart:
     Attributes:
         label: of the fit: the name of its file.
         coefficients: largest |a - b| / |a| of a coefficient; infinite where the terms differ.
-        function: largest |f_a - f_b| on a grid over the closed domain.
+        function: largest |f_a - f_b| on a grid over the closed domain; infinite where only one has a value.
         max_error: the fit's largest error, of the first run.
     """
 
@@ -43,23 +44,30 @@ class Apart:
     max_error: float
 
     @property
+    def share(self) -> float:
+        """`function` in units of the fit's largest error; an error of rounding counts as `EXACT`."""
+        return self.function / max(self.max_error, EXACT)
+
+    @property
     def same(self) -> bool:
         """Whether it is the same fit for every use."""
-        return self.function <= SAME_FUNCTION * self.max_error
+        return self.share <= SAME_FUNCTION
 
 
 def functions_apart(a: Approximation, b: Approximation) -> float:
     """Largest |a - b| on a grid over the closed domain, limits at its edges included.
 
-    Nodes at which both are not finite count as equal. Raises `EcfitError` for other variables or domains.
+    Nodes at which both are not finite (0 / 0 at an edge) count as equal. Raises `EcfitError` for other
+    variables or domains.
     """
     if (a.variables, a.domain) != (b.variables, b.domain):
         raise EcfitError(f"'{a.name}' and '{b.name}' have other variables or domains: nothing to compare")
     nodes = [np.linspace(low, high, _NODES.get(len(a.domain), _FEW)) for low, high in a.domain]
     with np.errstate(all="ignore"):
         one, other = a.on_grid(nodes), b.on_grid(nodes)
-    known = np.isfinite(one) | np.isfinite(other)
-    return float(np.max(np.abs(one - other)[known], initial=0.0))
+        off = np.abs(one - other)
+    neither = ~(np.isfinite(one) | np.isfinite(other))
+    return float(np.max(np.where(neither, 0.0, np.nan_to_num(off, nan=np.inf)), initial=0.0))
 
 
 def coefficients_apart(a: np.ndarray, b: np.ndarray) -> float:
