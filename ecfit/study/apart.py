@@ -67,7 +67,7 @@ def functions_apart(a: Approximation, b: Approximation) -> float:
         one, other = a.on_grid(nodes), b.on_grid(nodes)
         off = np.abs(one - other)
     neither = ~(np.isfinite(one) | np.isfinite(other))
-    return float(np.max(np.where(neither, 0.0, np.nan_to_num(off, nan=np.inf)), initial=0.0))
+    return float(np.max(np.where(neither, 0.0, np.nan_to_num(off, nan=np.inf, posinf=np.inf)), initial=0.0))
 
 
 def coefficients_apart(a: np.ndarray, b: np.ndarray) -> float:

@@ -307,7 +307,7 @@ def test_provenance_names_versions_hashes_and_the_machine(finished):
     assert table["key"] == study.tables["e"].provenance["key"]
     assert table["values"] == study.tables["e"].digest
     for versions in (data["versions"], table["versions"]):
-        assert set("ecfit equinox jax jaxlib lineax numpy optimistix python".split()) <= set(versions)
+        assert not {"ecfit", "equinox", "jax", "jaxlib", "lineax", "numpy", "python"} - set(versions)
     assert data["config"] == hashlib.sha256((results / "small" / "config.toml").read_bytes()).hexdigest()
     assert set(data["machine"]) == {"system", "instructions", "xla_flags"}
     assert data["machine"]["xla_flags"] == os.environ.get("XLA_FLAGS", "")
