@@ -16,6 +16,9 @@ _TOKEN = re.compile(
     re.DOTALL,
 )
 
+# Keys further inside have the line of what they are in: a study has five levels.
+_DEEPEST = 20
+
 
 def _tokens(text: str) -> Iterator[tuple[str, str, int]]:
     line = 1
@@ -55,7 +58,7 @@ class _Locator:
         return parts, line
 
     def note(self, path: Path, line: int) -> None:
-        for depth in range(1, len(path) + 1):
+        for depth in range(1, min(len(path), _DEEPEST) + 1):
             self.lines.setdefault(path[:depth], line)
 
     def header(self) -> Path:
