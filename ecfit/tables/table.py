@@ -251,7 +251,7 @@ class Table:
 
 
 def _unpacked(file: Any, name: str, most: int) -> np.ndarray:
-    """A member of an open archive, which may say that it is far larger than the file (zeros by the gigabyte)."""
+    """A member of an open archive, which may unpack to far more than the file (zeros by the gigabyte)."""
     size = file.zip.getinfo(f"{name}.npy").file_size
     if size > most:
         raise EcfitError(f"'{name}' has {size} bytes unpacked, at most {most} belong there")
