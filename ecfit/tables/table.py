@@ -233,7 +233,9 @@ class Table:
                 )
                 room = 8 * math.prod(map(len, axes)) + _NPY_HEADER
                 return cls(
-                    *(_unpacked(file, name, room) for name in ("values", "errors", "status")),
+                    _unpacked(file, "values", room),
+                    _unpacked(file, "errors", room),
+                    _unpacked(file, "status", room),
                     axes,
                     Contract.from_dict(header["contract"]),
                     np.nan if header["tolerance"] is None else float(header["tolerance"]),
