@@ -27,7 +27,7 @@ from ecfit.study.plan import Plan, make_plan
 from ecfit.study.searches import compute_searches, load_searches
 from ecfit.tables import Given, Request, Table
 from ecfit.tables.tabulate import versions
-from ecfit.workers import Engine, begin_engine
+from ecfit.workers import Engine, begin_engine, check_workers
 
 SUMMARY_COLUMNS = (
     "table",
@@ -158,9 +158,9 @@ def run(
     `EcfitError` for a bad config and for a scheduler that does not answer, before anything is computed, and
     for files that cannot be written.
     """
+    check_workers(workers)
     path = Path(config)
-    checked = read_config(path)
-    plan = make_plan(checked, path.parent)
+    plan = make_plan(read_config(path), path.parent)
     with begin_engine(workers, scheduler) as engine:
         return _run(plan, path.parent, Path(results), engine, progress or Progress())
 
