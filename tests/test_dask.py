@@ -83,7 +83,9 @@ def test_errors_are_raised_here(engine: Engine):
         run_tasks(refuse, [0, 1, 2], engine=engine)
     with pytest.raises(ecfit.EcfitError, match=r"^plugin 'x.py' failed to import$"):
         run_tasks(refuse, [0], engine=engine, prepare=fail_to_prepare)
-    with pytest.raises(ecfit.EcfitError, match=r"^task 1 cannot be sent to a worker: .*in a module or plugin"):
+    with pytest.raises(
+        ecfit.EcfitError, match=r"^task 1 cannot be sent to a worker: .*in a module or plugin"
+    ):
         run_tasks(lambda x: x, [1], engine=engine)
 
 
@@ -143,7 +145,9 @@ def test_a_scheduler_that_is_gone_is_told(tmp_path: Path, monkeypatch: pytest.Mo
     closing = threading.Timer(1.0, cluster.close)
     with begin_engine(scheduler=cluster.scheduler_address) as engine:
         closing.start()
-        with pytest.raises(ecfit.EcfitError, match=r"^the Dask scheduler at 'tcp://.*' is gone .* goes on from"):
+        with pytest.raises(
+            ecfit.EcfitError, match=r"^the Dask scheduler at 'tcp://.*' is gone .* goes on from"
+        ):
             run_tasks(refuse, [0, 2], engine=engine)
     closing.join()
 
@@ -151,7 +155,7 @@ def test_a_scheduler_that_is_gone_is_told(tmp_path: Path, monkeypatch: pytest.Mo
 def test_a_cluster_without_workers_is_told(monkeypatch: pytest.MonkeyPatch):
     from ecfit.workers import dask as engines
 
-    monkeypatch.setattr(engines, "ANSWER", 1.0)
+    monkeypatch.setattr(engines, "JOIN", 1.0)
     monkeypatch.setattr(engines, "LONELY", 0.5)
     with distributed.LocalCluster(
         n_workers=0, dashboard_address=":0", silence_logs=60, processes=False, protocol="tcp"

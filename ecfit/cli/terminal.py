@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from datetime import timedelta
 from typing import Any
 
-
 # Seconds between two lines of progress where there is no terminal, as in the log of a night.
 LINES = 60.0
 # The time that is left comes from the steps of this many seconds: of all, since a fit may take an hour, and
@@ -17,7 +16,7 @@ _MEMORY = 1e9
 
 
 def bars(now: Callable[[], float] = time.monotonic) -> Any:
-    """Progress bars with the time that is left; where there is no terminal, a line a minute and one at the end.
+    """Progress bars with the time that is left; without a terminal, a line a minute and one at the end.
 
     Args:
         now: the clock, in seconds.
@@ -35,9 +34,7 @@ def bars(now: Callable[[], float] = time.monotonic) -> Any:
                 TimeRemainingColumn(),
             )
             console = Console(stderr=True)
-            with Progress(
-                *columns, console=console, speed_estimate_period=_MEMORY, get_time=now
-            ) as progress:
+            with Progress(*columns, console=console, speed_estimate_period=_MEMORY, get_time=now) as progress:
                 progress.add_task(title, total=total)
                 (task,) = progress.tasks
                 said = now()

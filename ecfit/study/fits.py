@@ -93,7 +93,9 @@ def compute_fits(
         own = [planned for planned in missing if planned.table == name]
         fits = tuple(_chosen(f, folder) for f in own if not isinstance(f.form, Composition))
         if fits:
-            tasks.append(TableFits(Carried(path), folder, fits, _cost(fits, len(plan.requests[name].grid.axes))))
+            tasks.append(
+                TableFits(Carried(path), folder, fits, _cost(fits, len(plan.requests[name].grid.axes)))
+            )
     took: dict[str, float] = {}
     advance(len(plan.fits) - len(missing))
 

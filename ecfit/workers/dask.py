@@ -15,12 +15,13 @@ from typing import Any
 from ecfit.errors import EcfitError
 from ecfit.files import write_json
 from ecfit.workers.job import Job
-from ecfit.workers.remote import TOPIC, build, call, check
+from ecfit.workers.remote import TOPIC, build, check
 
 try:
     import dask
     import distributed
     from distributed.scheduler import KilledWorker
+    from distributed.versions import VersionMismatchWarning
 except ImportError:
     raise EcfitError(
         "a scheduler needs Dask distributed, here and on the workers: pip install 'ecfit[distributed]'"
@@ -28,6 +29,8 @@ except ImportError:
 
 # Seconds for a scheduler to answer; Dask's own default is 30 with a pool of retries in them.
 ANSWER = 10.0
+# Seconds for the first worker to join: one that was started just before loads Dask twice.
+JOIN = 30.0
 # Seconds without any worker after which a run ends: long enough for a nanny to start one again, or a queue.
 LONELY = 120.0
 # Seconds between two looks at whether the cluster is still there.
@@ -68,10 +71,21 @@ def _quiet() -> Iterator[None]:
     limit = {"distributed.admin.large-graph-warning-threshold": "1 TB"}
     try:
         with warnings.catch_warnings(), dask.config.set(limit):
-            warnings.simplefilter("ignore", distributed.versions.VersionMismatchWarning)
+            warnings.simplefilter("ignore", VersionMismatchWarning)
             yield
     finally:
         logger.setLevel(level)
+
+
+def _by_value() -> Callable[..., Any]:
+    """`remote.call`, to be sent with its code: a scheduler unpickles it too, and needs no ecfit then."""
+
+    def ecfit_task(*arguments: Any) -> Any:
+        from ecfit.workers.remote import call
+
+        return call(*arguments)
+
+    return ecfit_task
 
 
 def _line(error: BaseException) -> str:
@@ -91,12 +105,12 @@ class Dask:
     def check(self) -> None:
         """Raise `EcfitError` unless there are workers, and all would compute what this process does."""
         try:
-            self.client.wait_for_workers(1, timeout=ANSWER)
-            found = self.client.run(check, build(), on_error="return")
+            self.client.wait_for_workers(1, timeout=JOIN)
+            found: Any = self.client.run(check, build(), on_error="return")
         except TimeoutError:
             raise EcfitError(
-                f"the Dask scheduler at '{self.address}' has no workers: start some with `OPENBLAS_NUM_THREADS=1 "
-                f"dask worker {self.address} --nthreads 1`"
+                f"the Dask scheduler at '{self.address}' has no workers: start some with "
+                f"`OPENBLAS_NUM_THREADS=1 dask worker {self.address} --nthreads 1`"
             ) from None
         except (OSError, RuntimeError) as error:
             raise self._gone(error) from None
@@ -112,7 +126,8 @@ class Dask:
         """How many tasks can run at once now. Raises `EcfitError` where the scheduler is gone."""
         try:
             if self.client.status == "running":
-                return sum(self.client.nthreads().values())
+                threads: Any = self.client.nthreads()
+                return sum(threads.values())
         except (OSError, RuntimeError) as error:
             raise self._gone(error) from None
         raise self._gone("the connection is lost")
@@ -123,14 +138,13 @@ class Dask:
             "scheduler again the same command goes on from here"
         )
 
-    def run(
-        self, job: Job, done: Callable[[int, Any], object], heard: Callable[[Any], object]
-    ) -> None:
+    def run(self, job: Job, done: Callable[[int, Any], object], heard: Callable[[Any], object]) -> None:
         """See `Engine`."""
         if not job.tasks:
             return
         run = uuid.uuid4().hex
         wanted, prepare = build(), pickle.dumps(job.prepare)
+        task = _by_value()
         # Events and ended futures, from Dask's threads to this one.
         inbox: SimpleQueue[Any] = SimpleQueue()
         queue = deque(job.order)
@@ -158,7 +172,7 @@ class Dask:
                 while queue and len(running) < room.look():
                     index = queue.popleft()
                     future = self.client.submit(
-                        call, run, index, wanted, prepare, job.pickled(index),
+                        task, run, index, wanted, prepare, job.pickled(index),
                         key=f"ecfit-{run}-{index}", pure=False,
                     )  # fmt: skip
                     running[future] = index
@@ -210,7 +224,7 @@ class _Room:
             self.seen = now
         elif now - self.seen > LONELY:
             raise EcfitError(
-                f"the Dask scheduler at '{self.engine.address}' has had no workers for {LONELY:g} seconds; what "
-                "is finished is kept: with workers again the same command goes on from here"
+                f"the Dask scheduler at '{self.engine.address}' has had no workers for {LONELY:g} "
+                "seconds; what is finished is kept: with workers again the same command goes on from here"
             )
         return self.count

@@ -24,7 +24,9 @@ class Home:
     shared: bool = True
 
 
-home: ContextVar[Home] = ContextVar("home", default=Home(lambda message: None))
+_HERE = Home(lambda message: None)
+
+home: ContextVar[Home] = ContextVar("home", default=_HERE)
 
 
 def tell(message: Any) -> None:

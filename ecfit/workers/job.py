@@ -50,9 +50,7 @@ class Job:
 class Engine(Protocol):
     """Does jobs. `Local` does them in processes of this machine, `Dask` on a cluster."""
 
-    def run(
-        self, job: Job, done: Callable[[int, Any], object], heard: Callable[[Any], object]
-    ) -> None:
+    def run(self, job: Job, done: Callable[[int, Any], object], heard: Callable[[Any], object]) -> None:
         """Do all tasks of a job.
 
         Args:
@@ -66,7 +64,9 @@ class Engine(Protocol):
         ...
 
 
-_WHERE_TO_DEFINE = "define functions and classes of tasks in a module or plugin, not in the script that is run"
+_WHERE_TO_DEFINE = (
+    "define functions and classes of tasks in a module or plugin, not in the script that is run"
+)
 
 
 def work(pickled: bytes) -> Any:

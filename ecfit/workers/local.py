@@ -50,9 +50,7 @@ class Local:
 
     workers: int | None = None
 
-    def run(
-        self, job: Job, done: Callable[[int, Any], object], heard: Callable[[Any], object]
-    ) -> None:
+    def run(self, job: Job, done: Callable[[int, Any], object], heard: Callable[[Any], object]) -> None:
         """See `Engine`. A task whose worker died is run again, alone and at most twice."""
         workers = min(check_workers(self.workers), len(job.tasks))
         if workers <= 1 and all(os.environ.get(name) == value for name, value in ONE_THREAD.items()):

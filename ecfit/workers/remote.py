@@ -61,7 +61,9 @@ def check(wanted: dict[str, str], dask_worker: Any = None) -> None:
         dask_worker: this worker; Dask gives it to what `Client.run` runs.
     """
     worker = dask_worker or _worker()
-    differing = [f"{k} is {build().get(k)} there and {v} here" for k, v in wanted.items() if build().get(k) != v]
+    differing = [
+        f"{k} is {build().get(k)} there and {v} here" for k, v in wanted.items() if build().get(k) != v
+    ]
     if differing:
         raise EcfitError(
             f"worker {worker.address} might not compute the same numbers: {', '.join(differing)}; "
@@ -76,7 +78,9 @@ def check(wanted: dict[str, str], dask_worker: Any = None) -> None:
     # whose nanny sets the three names of usual builds.
     late = [name for name, value in ONE_THREAD.items() if os.environ.get(name) != value]
     if "jax" not in sys.modules:
-        late = [name for name in late if name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")]
+        late = [
+            name for name in late if name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+        ]
     if late:
         raise EcfitError(
             f"worker {worker.address} was started with more than one compute thread: start it with "

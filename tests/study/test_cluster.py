@@ -1,4 +1,4 @@
-"""A real study on a Dask cluster: interrupted, then one of its workers killed; no byte differs from a local run."""
+"""A study on a Dask cluster, interrupted, then with a worker killed: its bytes are those of a local run."""
 
 import os
 import signal
@@ -114,7 +114,9 @@ def test_a_study_on_a_cluster_that_is_interrupted_and_loses_a_worker(tmp_path: P
             text=True,
         )
         end = time.monotonic() + 240.0
-        while time.monotonic() < end and process.poll() is None and not list(results.glob("small/fits/*.json")):
+        while (
+            time.monotonic() < end and process.poll() is None and not list(results.glob("small/fits/*.json"))
+        ):
             time.sleep(0.02)
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=60)
