@@ -11,6 +11,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import kills
 import pytest
 from worker_tasks import (
     die,
@@ -24,6 +25,7 @@ from worker_tasks import (
 )
 
 import ecfit
+from ecfit import cli
 from ecfit.workers import ONE_THREAD, Engine, begin_engine, remote, run_tasks
 
 distributed = pytest.importorskip("distributed", reason="Dask distributed is not installed")
@@ -186,6 +188,21 @@ def test_no_scheduler_is_told_in_one_line(address: str, monkeypatch: pytest.Monk
     ):
         pass
     assert "\n" not in str(told.value)
+
+
+def test_the_command_ends_with_one_line_and_2(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    from ecfit.workers import dask as engines
+
+    monkeypatch.setattr(engines, "ANSWER", 0.5)
+    arguments = ["run", kills.written(tmp_path), "--results", tmp_path / "results"]
+    with pytest.raises(SystemExit) as stopped:
+        cli.main([str(a) for a in (*arguments, "--scheduler", "tcp://127.0.0.1:1")])
+    assert stopped.value.code == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: no Dask scheduler answers at 'tcp://127.0.0.1:1'")
+    assert not (tmp_path / "results").exists()  # told before anything is computed
 
 
 def test_workers_of_two_kinds_are_refused():
