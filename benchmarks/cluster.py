@@ -10,6 +10,7 @@ import tempfile
 import time
 from operator import attrgetter
 from pathlib import Path
+from typing import Any
 
 import dask
 import distributed
@@ -30,13 +31,18 @@ def milliseconds(engine: Engine, size: int, count: int, folder: Path) -> float:
     return 1e3 * (time.perf_counter() - started) / count
 
 
+def two_workers() -> Any:
+    """A cluster."""
+    return distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0")
+
+
 def main() -> None:
     """Print the times."""
     started = time.perf_counter()
     with (
         tempfile.TemporaryDirectory() as folder,
         dask.config.set({"distributed.deploy.lost-worker-timeout": "5 minutes"}),
-        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster,
+        two_workers() as cluster,
         begin_engine(scheduler=cluster.scheduler_address) as engine,
     ):
         print(f"a cluster of two workers starts in {time.perf_counter() - started:.1f} s")
