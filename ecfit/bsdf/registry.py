@@ -48,7 +48,8 @@ def model(name: str, /, **settings: object) -> BSDF:
     model, setting or option value, and for a parameter outside its range.
     """
     if name not in _MODELS and name not in models():
-        raise unknown("model", name, _MODELS)
+        said = unknown("model", name, _MODELS)
+        raise EcfitError(f"{said} (one of your own: --plugin FILE, or plugins = [FILE] in a config)")
     cls = _MODELS[name]
     ranges, choices = cls.parameter_ranges(), cls.option_choices()
     for key, value in settings.items():

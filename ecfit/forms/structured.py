@@ -21,7 +21,7 @@ from ecfit.forms.features import (
     scaled,
     untied,
 )
-from ecfit.forms.heads import HEADS, Head, head, rho_power
+from ecfit.forms.heads import Head, head, rho_power
 from ecfit.forms.nested import nested
 
 # At alpha = mu = 0 the forms are 0 / 0; a cosine of at least this defines them there (E = 1 at alpha = 0).
@@ -261,7 +261,7 @@ class Structure:
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready dictionary that `from_dict` reads back."""
         return {
-            "head": head_to_dict(self.head),
+            "head": asdict(self.head),  # whole, whatever its name: files outlive what a name means
             "features": list(self.features),
             "numerators": [n.tolist() for n in self.numerators],
             "denominator": self.denominator.tolist(),
@@ -275,11 +275,6 @@ class Structure:
         numerators = tuple(_exponents(n, features, "numerator") for n in data["numerators"])
         denominator, charted = np.asarray(data["denominator"]), data.get("charted", False)
         return cls(head_from(data["head"]), features, numerators, denominator, charted)
-
-
-def head_to_dict(found: Head) -> Any:
-    """A named head as its name, any other as a mapping."""
-    return found.name if HEADS.get(found.name) is found else asdict(found)
 
 
 def head_from(data: Any) -> Head:

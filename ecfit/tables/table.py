@@ -3,6 +3,7 @@
 import hashlib
 import io
 import json
+import math
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -29,6 +30,9 @@ from ecfit.tables.given import (
 )
 
 _FORMAT = "ecfit-table-1"
+# Bytes of unpacked parts: text has four a character, and an axis of a million nodes has eight million.
+_MOST_HEADER, _MOST_NODES = 4_000_000, 8_000_000
+_NPY_HEADER = 1_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,14 +228,14 @@ class Table:
             raise EcfitError(f"cannot read '{path}': {error.strerror or error}") from None
         try:
             with np.load(io.BytesIO(data), allow_pickle=False) as file:
-                header = json.loads(str(file["header"]))
+                header = json.loads(str(_unpacked(file, "header", _MOST_HEADER)))
                 if header["format"] != _FORMAT:
                     raise EcfitError(f"'{path}' is not an ecfit table of format {_FORMAT}")
                 axes = tuple(
                     Axis(
                         a["name"],
-                        file[f"nodes_{i}"],
-                        file[f"nominal_{i}"],
+                        _unpacked(file, f"nodes_{i}", _MOST_NODES),
+                        _unpacked(file, f"nominal_{i}", _MOST_NODES),
                         a["spacing"],
                         a["through"],
                         float(a["low"]),
@@ -239,10 +243,11 @@ class Table:
                     )
                     for i, a in enumerate(header["axes"])
                 )
+                room = 8 * math.prod(map(len, axes)) + _NPY_HEADER
                 return cls(
-                    file["values"],
-                    file["errors"],
-                    file["status"],
+                    _unpacked(file, "values", room),
+                    _unpacked(file, "errors", room),
+                    _unpacked(file, "status", room),
                     axes,
                     Contract.from_dict(header["contract"]),
                     np.nan if header["tolerance"] is None else float(header["tolerance"]),
@@ -257,3 +262,11 @@ class Table:
             raise EcfitError(
                 f"'{path}' is damaged or not an ecfit table: delete it and run again to recompute it"
             ) from None
+
+
+def _unpacked(file: Any, name: str, most: int) -> np.ndarray:
+    """A member of an open archive, which may unpack to far more than the file (zeros by the gigabyte)."""
+    size = file.zip.getinfo(f"{name}.npy").file_size
+    if size > most:
+        raise EcfitError(f"'{name}' has {size} bytes unpacked, at most {most} belong there")
+    return file[name]

@@ -3,8 +3,11 @@
 import hashlib
 import inspect
 import json
+import platform
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -276,10 +279,12 @@ def source_hash(cls: Any) -> str:
 
 
 def versions() -> dict[str, str]:
-    """Versions of what computes numbers."""
-    from importlib.metadata import version
-
-    return {name: version(name) for name in ("ecfit", "jax", "numpy", "optimistix")}
+    """Versions of Python and of the packages that compute numbers, of those that are installed."""
+    found = {}
+    for name in ("ecfit", "equinox", "jax", "jaxlib", "lineax", "numpy", "optimistix", "scipy"):
+        with suppress(PackageNotFoundError):
+            found[name] = version(name)
+    return {**found, "python": platform.python_version()}
 
 
 def tabulate(
