@@ -65,6 +65,9 @@ class Structure:
         denominator: exponents of the shared Q, shape (terms, features); the first has the coefficient 1.
         charted: whether the value is evaluated in t = alpha / rho, m = mu / rho and rho = alpha + mu, where
             no power of alpha and mu underflows: the same function, also good in half precision.
+
+    Raises `EcfitError` for features that repeat, a number of ratios that is not the head's, and ratios
+    without terms.
     """
 
     head: Head
@@ -130,6 +133,7 @@ class Structure:
 
     @property
     def ratio_orders(self) -> tuple[float, ...]:
+        """Order of each ratio P / Q at the corner alpha = mu = 0."""
         *numerators, denominator = self.group_orders
         return tuple(n - denominator for n in numerators)
 
@@ -254,7 +258,7 @@ class Structure:
             denominator=self.denominator[:, used],
         )
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """A JSON-ready dictionary that `from_dict` reads back."""
         return {
             "head": asdict(self.head),  # whole, whatever its name: files outlive what a name means

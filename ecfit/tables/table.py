@@ -47,6 +47,8 @@ class Table:
         contract: the conventions that give the values their meaning.
         tolerance: the absolute error that was asked for; NaN where nobody asked.
         provenance: versions and the key of the request; of a given table, its source and key.
+
+    Raises `EcfitError` where values, errors or status have not the shape of the axes.
     """
 
     values: np.ndarray
@@ -120,10 +122,12 @@ class Table:
 
     @property
     def grid(self) -> Grid:
+        """The axes as a grid."""
         return Grid(self.axes)
 
     @property
     def names(self) -> tuple[str, ...]:
+        """Names of the axes, in the order of the dimensions of `values`."""
         return self.grid.names
 
     @property
@@ -168,8 +172,16 @@ class Table:
             )
         for status, count in self.counts().items():
             if status not in FINE and count:
-                lines.append(f"WARNING: {count} entries: {STATUS[status]}")
+                lines.append(f"WARNING: {count} entries: {STATUS[status]}{self._worst(status)}")
         return lines + [f"WARNING: {remark}" for remark in self.remarks()]
+
+    def _worst(self, status: Status) -> str:
+        """Where the entry of a status with the largest error estimate is, or the first, in words."""
+        found = np.flatnonzero(self.status == status)
+        errors = self.errors.ravel()[found]
+        first = found[:1] if np.isnan(errors).all() else found[[np.nanargmax(errors)]]
+        place = ", ".join(f"{name} = {x[0]:.4g}" for name, x in self.grid.nodes_at(first).items())
+        return f", {'the worst' if found.size > 1 else 'it is'} at {place}"
 
     def __repr__(self) -> str:
         size = " x ".join(f"{a.name} {len(a)}" for a in self.axes)

@@ -57,7 +57,11 @@ def default_range(
 
 @dataclass(frozen=True)
 class Request:
-    """A table to be computed: everything that determines its values. Validates on construction."""
+    """A table to be computed: everything that determines its values. Validates on construction.
+
+    Raises `EcfitError` for a tolerance outside (0, 1), axes outside the model's domain, and ones that the
+    quantity lacks or ignores.
+    """
 
     model: BSDF
     grid: Grid
@@ -103,7 +107,7 @@ class Request:
         tolerance: float = 1e-7,
         quantity_options: Mapping[str, int] | None = None,
     ) -> "Request":
-        """Resolve names and axis counts; see `tabulate` for the arguments."""
+        """Resolve names and axis counts; arguments and errors (`EcfitError`) are those of `tabulate`."""
         bsdf = as_model(model)
         quantity_ = quantity(quantity_name, lobe, transport, **(quantity_options or {}))
         if not isinstance(axes, Mapping) or not axes:
