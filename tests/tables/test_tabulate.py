@@ -111,24 +111,24 @@ def test_the_longest_of_several_fresnel_axes_makes_the_rows():
 def test_long_rows_are_cut_to_bound_the_memory(monkeypatch):
     """A row of entries that share their geometry may be longer than memory has room for its nodes."""
     module = sys.modules["ecfit.tables.tabulate"]
-    model, count = ecfit.model("conductor", fresnel="schlick", alpha=0.4), 11
-    axes, options = {"F0": count, "mu": [0.2, 0.5, 0.7]}, {"tolerance": 1e-7}
-    whole = ecfit.tabulate(model, axes, **options)
-    nodes, held, evaluate = model.measure().levels, [], module._evaluate
+    axes = {"ior": np.linspace(1.0, 2.0, 11).tolist(), "mu": [0.2, 0.5, 0.7]}
+
+    def table():
+        return ecfit.tabulate("dielectric", axes, quantity="fresnel")  # one node an entry
+
+    whole, held, evaluate = table(), [], module._evaluate
 
     def watched(model, quantity, outer, inner, level, arrays, shared, mesh):
-        held.append((shared.size, arrays[0].size * shared.size * nodes[level]))
+        held.append(arrays[0].size * shared.size)
         return evaluate(model, quantity, outer, inner, level, arrays, shared, mesh)
 
     monkeypatch.setattr(module, "_evaluate", watched)
-    for name in ("_ROW_VALUES", "_BLOCK_VALUES"):
-        monkeypatch.setattr(module, name, 4 * nodes[0])
-    cut = ecfit.tabulate(model, axes, **options)
-    # Three pieces of four at level 0, the last filled up; a level of more nodes takes shorter ones.
-    assert held[0] == (4, 4 * nodes[0])
-    assert all(values <= 4 * nodes[0] for _, values in held)
-    assert min(size for size, _ in held) < 4
-    np.testing.assert_allclose(cut.values, whole.values, rtol=1e-13)
+    monkeypatch.setattr(module, "_ROW_VALUES", 4)
+    monkeypatch.setattr(module, "_BLOCK_VALUES", 8)
+    cut = table()
+    # Three pieces of four entries, the last filled up, of two rows and of the third with a padded one.
+    assert held == [8] * 6
+    np.testing.assert_allclose(cut.values, whole.values, rtol=1e-14)
     np.testing.assert_array_equal(cut.status, whole.status)
 
 
