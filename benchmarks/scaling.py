@@ -10,7 +10,7 @@ work on the machine matters little; those of workers are of the clock. "Deviatio
 |measured / law - 1|. Memory is the peak of the resident size above that before the first table of the kind.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 
 import common
 import scaling_measures as measures
@@ -120,7 +120,7 @@ def memory(quick: bool) -> str:
 def steps(quick: bool) -> str:
     """Time of a step of a descent against residuals and coefficients."""
     sizes, degrees = ((16, 32), (1, 2)) if quick else ((32, 64, 128), (2, 3, 5))
-    runs: list[StepRun] = alone(measures.steps, sizes, degrees, 5, 45)
+    runs: list[StepRun] = alone(measures.steps, sizes, degrees, 5, 105)
     counts = sorted({r.coefficients for r in runs})
     residuals = sorted({r.residuals for r in runs})
     rows, lines = [], []
@@ -253,30 +253,27 @@ def workers(quick: bool) -> str:
     return f"{common.markdown(header, rows)}\n\nEfficiency is t1 / (2 t2).\n\n{devices}"
 
 
-def measured(quick: bool) -> dict[str, str]:
-    """All parts but the workers, as Markdown by marker."""
+def measured(quick: bool) -> Iterator[tuple[str, str]]:
+    """Marker and Markdown of all parts but the workers, as they are measured."""
     by_entries, laws = tables(quick)
+    yield "tables", by_entries
+    yield "tolerances", tolerances(quick)
+    yield "memory", memory(quick)
+    yield "steps", steps(quick)
     whole, runs = fits(quick)
-    return {
-        "tables": by_entries,
-        "tolerances": tolerances(quick),
-        "memory": memory(quick),
-        "steps": steps(quick),
-        "fits": whole,
-        "arithmetic": arithmetic(laws, runs),
-    }
+    yield "fits", whole
+    yield "arithmetic", arithmetic(laws, runs)
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
+def main() -> None:
     parser = common.arguments(__doc__)
     parser.add_argument("--workers", action="store_true", help="measure workers and devices, nothing else")
     parser.add_argument("--write", action="store_true", help="put the results into docs/scaling.md")
-    given = parser.parse_args(arguments)
-    parts = {"workers": workers(given.quick)} if given.workers else measured(given.quick)
-    for name, part in parts.items():
-        print(f"\n## {name}\n\n{part}")
-    if given.write:
-        common.replace_between(DOCUMENT, SCRIPT, **parts)
+    given = parser.parse_args()
+    for name, part in [("workers", workers(given.quick))] if given.workers else measured(given.quick):
+        print(f"\n## {name}\n\n{part}", flush=True)
+        if given.write:
+            common.replace_between(DOCUMENT, SCRIPT, **{name: part})
 
 
 if __name__ == "__main__":

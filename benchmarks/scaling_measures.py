@@ -161,7 +161,7 @@ def steps(sizes: Sequence[int], degrees: Sequence[int], few: int, many: int) -> 
                 return found.steps, timing.cpu
 
             descend(few)
-            short, long = (min((descend(n) for _ in range(2)), key=lambda r: r[1]) for n in (few, many))
+            short, long = (min((descend(n) for _ in range(3)), key=lambda r: r[1]) for n in (few, many))
             if long[0] > short[0]:
                 seconds = (long[1] - short[1]) / (long[0] - short[0])
                 runs.append(StepRun(problem.rows, form.count(2), seconds))
