@@ -198,7 +198,7 @@ def arithmetic(laws: dict[str, tuple[Law, float]], runs: dict[str, FitRun]) -> s
                 what,
                 seconds(each),
                 seconds(start),
-                f"{work / 3600.0:.3g}",
+                f"{work / 3600.0:,.1f}",
                 *(seconds(work / cores + start) for cores in CORES),
             ]
         )
