@@ -18,7 +18,8 @@ COLOURS = {
     "table": "#CC79A7",
     "other": "#009E73",
 }
-MARKERS = {"polynomial": "o", "rational": "s", "published": "*", "table": "^"}
+COLOURS["shipped"] = COLOURS["other"]  # they are of the same forms; the marker tells
+MARKERS = {"polynomial": "o", "rational": "s", "published": "*", "shipped": "P", "table": "^"}
 # Text and lines: near black, and one word for a page to replace where it is dark.
 INK = "#111111"
 VALUES, SIGNED = "viridis", "RdBu_r"

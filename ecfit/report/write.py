@@ -25,8 +25,9 @@ from ecfit.report.style import rendered
 from ecfit.report.verdict import Proved, Prover, choices, percentage, prover, sentences
 from ecfit.tables import Table
 
-# Characters of code that a page has of one approximation at most: its big ones are exported from the shell.
-_CODE_ROOM = 60_000
+# Characters of code, in all languages, that a page has of one approximation at most (some 75 numbers): bigger
+# ones are exported from the shell. Reports of whole studies stay below 1 MB.
+_CODE_ROOM = 20_000
 
 
 class StudyLike(Protocol):
@@ -151,8 +152,8 @@ def _drawings(
         yield _Drawing(
             f"{name}-error-against-cost",
             "RMS error against the numbers to store (left) and the operations of an evaluation (right), both "
-            "logarithmic. Lines: our fits; stars: published approximations; triangles: look-up tables, which "
-            "fetch instead; rings: a pole, or not converged.",
+            "logarithmic. Lines: fits of this study; stars: published approximations; pluses: fits shipped "
+            "with ecfit; triangles: look-up tables, which fetch instead; rings: a pole, or not converged.",
             lambda: figures.error_against_cost(name, rows),
             "first",
         )
@@ -220,7 +221,7 @@ def _section(study: StudyLike, number: int, name: str, table: Table, prove: Prov
     ours = best([e for e in rows if e.kind == "fit"])
     besides = [ours] if ours is not None and ours not in named else []
     spare = [_Chosen(None, "", e, prove(e.approximation), _codes(e, name)) for e in besides]
-    drawn = list(dict.fromkeys([*besides, *named, *(e for e in rows if e.kind == "published")]))
+    drawn = list(dict.fromkeys([*besides, *named, *(e for e in rows if e.kind in ("published", "shipped"))]))
     drawings = _drawings(name, table, fits, published, rows, study.searches.get(name, []))
     folder, kinds = study.folder / "figures", study.config.report.figures
     return _Section(

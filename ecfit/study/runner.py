@@ -5,13 +5,13 @@ import hashlib
 import io
 import os
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from ecfit.approximation import Approximation
+from ecfit.approximation.standing import standing_status
 from ecfit.approximation.tables import as_lookup, lookup_name
 from ecfit.config import StudyConfig, read_config, to_toml
 from ecfit.display import grid
@@ -20,6 +20,7 @@ from ecfit.files import clear_parts, make_folder, read_text, write_json, write_t
 from ecfit.fitting import Fit
 from ecfit.fitting.selection import Choice, front
 from ecfit.metrics import Errors, measure
+from ecfit.progress import Progress
 from ecfit.quadrature import FINE, STATUS
 from ecfit.study.fits import compute_fits, load_fits, missing_fits
 from ecfit.study.plan import Plan, make_plan
@@ -123,15 +124,6 @@ class Study:
                     out.append(f"table {name}: {count} of {table.values.size} entries: {STATUS[status]}")
             out += [f"table {name}: {remark}" for remark in table.remarks()]
         return out
-
-
-class Progress:
-    """What a run tells while it works; this one says nothing. The command line shows bars."""
-
-    @contextmanager
-    def stage(self, title: str, total: int) -> Iterator[Callable[[int], None]]:
-        """A stage of `total` steps; the yielded function advances it."""
-        yield lambda steps: None
 
 
 def run(
@@ -317,7 +309,7 @@ def _summary_rows(study: Study) -> Iterator[tuple[Any, ...]]:
                 approximation.count,
                 *_error_cells(errors),
                 _number(smallest.value),
-                _standing(approximation, smallest.bound),
+                standing_status(approximation, smallest),
                 _place(errors),
                 _number(errors.furnace_mean),
                 _number(errors.furnace_max),
@@ -345,13 +337,6 @@ def _search_rows(study: Study) -> Iterator[tuple[Any, ...]]:
                     f"{cost.total:g}",
                     "yes" if choice in best else "",
                 )
-
-
-def _standing(approximation: Approximation, bound: float) -> str:
-    """The status of what is judged beside our fits."""
-    if approximation.form == "lookup":
-        return "table"
-    return "published" if bound > 0.0 else "published, pole"
 
 
 def _error_cells(errors: Errors) -> tuple[str, str, str]:
