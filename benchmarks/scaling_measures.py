@@ -183,9 +183,10 @@ class _Watch(Progress):
 
 def sweep(count: int, workers: int, degree: int, size: int) -> float:
     """Wall seconds of `count` equal fits (one table each) of a study by so many workers, imports included."""
+    names = [f"t{i}" for i in range(count)]
     table = f'model = "conductor"\naxes = {{ r = {size}, mu = {size} }}\n'
-    text = 'name = "sweep"\n' + "".join(f'[[tables]]\nname = "t{i}"\n{table}' for i in range(count))
-    text += f'[[fits]]\nform = "rational"\ndegree = {degree}\n[report]\nfigures = []\n'
+    text = 'name = "sweep"\n' + "".join(f'[[tables]]\nname = "{name}"\n{table}' for name in names)
+    text += f'[[fits]]\ntables = {names}\nform = "rational"\ndegree = [{degree}]\n[report]\nfigures = []\n'
     with tempfile.TemporaryDirectory() as folder:
         config = Path(folder) / "sweep.toml"
         config.write_text(text)
