@@ -17,7 +17,8 @@ def row_mesh() -> Mesh | None:
     A default device that the user has set (`jax.default_device`) is the only one that is used.
     """
     devices = jax.local_devices()
-    if len(devices) < 2 or jax.config.jax_default_device is not None:
+    chosen = jax.config.jax_default_device  # pyright: ignore[reportAttributeAccessIssue]
+    if len(devices) < 2 or chosen is not None:
         return None
     return Mesh(np.array(devices), (_ROWS,))
 
