@@ -34,6 +34,7 @@ types: $(VENV)/.dev $(VENV)/.bench
 	$(BIN)/pyright
 
 benchmark: $(VENV)/.bench
+	$(BIN)/python benchmarks/start.py
 	$(BIN)/python benchmarks/tables.py
 	$(BIN)/python benchmarks/materials.py
 	$(BIN)/python benchmarks/curve_fit.py
