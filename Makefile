@@ -40,6 +40,7 @@ benchmark: $(VENV)/.bench
 	$(BIN)/python benchmarks/curve_fit.py
 	$(BIN)/python benchmarks/thinning.py
 	$(BIN)/python benchmarks/evaluation.py
+	$(BIN)/python benchmarks/scaling.py
 	$(BIN)/python benchmarks/choosing.py --cache .choosing --figures .choosing
 
 constraints: $(VENV)/.uv

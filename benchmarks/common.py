@@ -5,9 +5,11 @@ import os
 import resource
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 # One thread for the small, tall matrices of least squares: with more, OpenBLAS spends more time on
 # synchronisation than on arithmetic as soon as anything else runs. Read when NumPy and SciPy are loaded.
@@ -16,6 +18,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import ecfit
 from ecfit.coordinates import Grid
 from ecfit.errors import EcfitError
+from ecfit.workers import ONE_THREAD
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 
@@ -40,6 +43,18 @@ def peak_memory() -> float:
     """Largest resident size of this process so far, in MB."""
     unit = 1.0 if sys.platform == "darwin" else 1024.0
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6
+
+
+def alone(function: Callable[..., T], *arguments: Any, environment: Mapping[str, str] | None = None) -> T:
+    """The result of a function, called in a fresh process: with one thread, but for its `environment`."""
+    before = dict(os.environ)
+    os.environ.update({**ONE_THREAD, **(environment or {})})
+    try:
+        with ProcessPoolExecutor(1, get_context("spawn")) as pool:
+            return pool.submit(function, *arguments).result()
+    finally:
+        os.environ.clear()
+        os.environ.update(before)
 
 
 def clamped_grid(count: int) -> Grid:

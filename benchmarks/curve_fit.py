@@ -18,17 +18,13 @@ is what it takes on an idle machine.
   Levenberg-Marquardt descent on the same weighted nodes.
 """
 
-import os
 import tempfile
-from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import common
 import numpy as np
-from common import Timing, peak_memory, timed
+from common import Timing, alone, peak_memory, timed
 
 import ecfit
 from ecfit.coordinates import Grid
@@ -102,13 +98,6 @@ def by_one_descent(path: Path) -> list[Result]:
         measured = errors(numerator / denominator, table)
         out.append(Result(f"one descent of ecfit, {name}", timing, *measured, peak_memory(), note))
     return out
-
-
-def alone(function: Callable[..., list[Result]], *arguments: Any) -> list[Result]:
-    """The results of a function, called in a fresh process with one thread."""
-    os.environ.update(ONE_THREAD)
-    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
-        return pool.submit(function, *arguments).result()
 
 
 def dielectric_table(count: int) -> ecfit.Table:

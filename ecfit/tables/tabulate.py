@@ -14,6 +14,7 @@ from typing import Any
 import equinox as eqx
 import numpy as np
 
+from ecfit._devices import Mesh, device_count, over_rows, row_mesh
 from ecfit._jax import jax, jnp
 from ecfit.bsdf import BSDF, as_model
 from ecfit.bsdf.registry import name_of
@@ -30,8 +31,11 @@ Array = jax.Array
 # Raise this when a change moves the numbers of tables: it is part of every table's key.
 NUMERICS_VERSION = 2
 
-# BSDF values held at once (4 MB an intermediate array): within the caches, whatever the grid.
+# BSDF values held at once by a device (4 MB an intermediate array): within the caches, whatever the grid.
 _BLOCK_VALUES = 2**19
+# The same where one row alone has more: longer rows are cut (64 MB an intermediate array). Cutting computes
+# the geometry once a piece, so it should be rare.
+_ROW_VALUES = 2**23
 
 
 def default_range(
@@ -213,23 +217,37 @@ def evaluator(
 ) -> Callable[[int, np.ndarray], tuple[np.ndarray, np.ndarray]]:
     """What `refine` calls: (level, row indices) -> values and error estimates, block by block.
 
+    The memory that it takes beside its results depends neither on the number of rows nor on their length.
+    Where JAX has several devices each takes a part of every block.
+
     Args:
         names: parameters (and mu) that differ from row to row; `gather` gives their values at row indices.
         inner: a parameter of the Fresnel factor that takes `inner_nodes` within a row, or None.
     """
     nodes, width = quantity_.nodes(model), inner_nodes.size
+    mesh = row_mesh()
+    devices = device_count(mesh)
 
     def evaluate(level: int, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         arrays = list(gather(rows)) or [np.zeros(rows.size)]
-        most = 1 << (rows.size - 1).bit_length()
-        block = max(1, min(_BLOCK_VALUES // (nodes[level] * width), most))
+        pieces = _pieces(inner_nodes, max(1, _ROW_VALUES // nodes[level]))
+        most = 1 << (-(-rows.size // devices) - 1).bit_length()
+        block = devices * max(1, min(_BLOCK_VALUES // (nodes[level] * pieces[0].size), most))
 
-        def function(*a: np.ndarray) -> Estimate:
-            return _evaluate(model, quantity_, names, inner, level, a, inner_nodes)
+        def function(*a: np.ndarray) -> list[np.ndarray]:
+            found = [_evaluate(model, quantity_, names, inner, level, a, piece, mesh) for piece in pieces]
+            return [np.concatenate(parts, axis=1)[:, :width] for parts in zip(*found, strict=True)]
 
         return in_blocks(function, arrays, block, width)
 
     return evaluate
+
+
+def _pieces(nodes: np.ndarray, most: int) -> list[np.ndarray]:
+    """Pieces of one length, `most` or less; the last is filled up with its last node."""
+    count = -(-nodes.size // most)
+    length = -(-nodes.size // count)
+    return np.split(np.pad(nodes, (0, count * length - nodes.size), mode="edge"), count)
 
 
 def within_bounds(model: BSDF, quantity_: Quantity, values: np.ndarray, errors: np.ndarray) -> np.ndarray:
@@ -249,8 +267,9 @@ def _evaluate(
     level: int,
     arrays: tuple[np.ndarray, ...],
     shared: np.ndarray,
+    mesh: Mesh | None,
 ) -> Estimate:
-    """Estimates of shape (rows, entries a row)."""
+    """Estimates of shape (rows, entries a row), the rows distributed over `mesh`."""
 
     def one(value: Array, *values: Array) -> Estimate:
         point = dict(zip(outer, values, strict=False))
@@ -261,7 +280,8 @@ def _evaluate(
 
     # The inner map leaves the geometry unbatched: it is computed once a row.
     row = jax.vmap(one, (0, *[None] * len(arrays)))
-    return jax.vmap(row, (None, *[0] * len(arrays)))(jnp.asarray(shared), *map(jnp.asarray, arrays))
+    rows = over_rows(jax.vmap(row, (None, *[0] * len(arrays))), mesh)
+    return rows(jnp.asarray(shared), *map(jnp.asarray, arrays))
 
 
 def source_hash(cls: Any) -> str:

@@ -108,6 +108,30 @@ def test_the_longest_of_several_fresnel_axes_makes_the_rows():
     np.testing.assert_allclose(table.values, expected, atol=1e-6)
 
 
+def test_long_rows_are_cut_to_bound_the_memory(monkeypatch):
+    """A row of entries that share their geometry may be longer than memory has room for its nodes."""
+    module = sys.modules["ecfit.tables.tabulate"]
+    axes = {"ior": np.linspace(1.0, 2.0, 11).tolist(), "mu": [0.2, 0.5, 0.7]}
+
+    def table():
+        return ecfit.tabulate("dielectric", axes, quantity="fresnel")  # one node an entry
+
+    whole, held, evaluate = table(), [], module._evaluate
+
+    def watched(model, quantity, outer, inner, level, arrays, shared, mesh):
+        held.append(arrays[0].size * shared.size)
+        return evaluate(model, quantity, outer, inner, level, arrays, shared, mesh)
+
+    monkeypatch.setattr(module, "_evaluate", watched)
+    monkeypatch.setattr(module, "_ROW_VALUES", 4)
+    monkeypatch.setattr(module, "_BLOCK_VALUES", 8)
+    cut = table()
+    # Three pieces of four entries, the last filled up, of two rows and of the third with a padded one.
+    assert held == [8] * 6
+    np.testing.assert_allclose(cut.values, whole.values, rtol=1e-14)
+    np.testing.assert_array_equal(cut.status, whole.status)
+
+
 def test_a_table_of_the_fresnel_factor_alone_has_no_outer_axis():
     model = ecfit.model("dielectric")
     table = ecfit.tabulate(model, {"ior": [1.0, 1.5]}, quantity="average-fresnel")
