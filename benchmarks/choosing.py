@@ -558,15 +558,21 @@ def details(material: Material) -> str:
     return common.markdown(["", "numbers", "ns", "mean error", "largest error", "notes"], rows)
 
 
+def iors(material: Material) -> str:
+    """The range of ior, where F0 is a coordinate."""
+    ends = dict(zip(material.variables, material.domain, strict=True)).get("F0")
+    if ends is None:
+        return ""
+    ior = resolve(["ior"], {"F0": np.array(ends)})["ior"]
+    return f"ior in [{ior[0]:.4g}, {ior[1]:.4g}]"
+
+
 def ranges(material: Material) -> str:
     """The domain in words, F0 with its ior."""
     parts = []
     for name, (low, high) in zip(material.variables, material.domain, strict=True):
         text = f"{name} in [{low:.4g}, {high:.4g}]"
-        if name == "F0":
-            ior = resolve(["ior"], {"F0": np.array([low, high])})["ior"]
-            text += f" (ior in [{ior[0]:.4g}, {ior[1]:.4g}])"
-        parts.append(text)
+        parts.append(f"{text} ({iors(material)})" if name == "F0" else text)
     return ", ".join(parts)
 
 
@@ -600,7 +606,7 @@ def recommendations(found: Sequence[Material]) -> str:
                 text += f", {nanoseconds(equal.ns)} ns" if np.isfinite(equal.ns) else ""
             rows.append(
                 [
-                    material.title if i == 0 else "",
+                    ", ".join(filter(None, (material.title, iors(material)))) if i == 0 else "",
                     wish,
                     f"`{e.name}`",
                     str(e.numbers),

@@ -28,6 +28,10 @@ KINDS: dict[str, Any] = {
 }
 
 
+# The source of what nobody else published.
+OURS = "ecfit"
+
+
 @dataclass(frozen=True, eq=False)
 class Approximation:
     """A formula in stated coordinates, approximating a quantity under a contract.
@@ -39,7 +43,7 @@ class Approximation:
         formula: how the value is computed.
         domain: (low, high) of each variable.
         contract: the conventions of what is approximated.
-        source: who published it, or "ecfit".
+        source: who published it, or `OURS`.
     """
 
     name: str
@@ -49,7 +53,7 @@ class Approximation:
     formula: Formula
     domain: tuple[tuple[float, float], ...]
     contract: Contract
-    source: str = "ecfit"
+    source: str = OURS
 
     def __post_init__(self) -> None:
         if not isinstance(self.formula, Formula):
@@ -70,7 +74,7 @@ class Approximation:
         coefficients: np.ndarray,
         domain: tuple[tuple[float, float], ...],
         contract: Contract,
-        source: str = "ecfit",
+        source: str = OURS,
         scales: tuple[tuple[float, float], ...] = (),
     ) -> "Approximation":
         """A quotient of polynomials; see `Quotient` for terms, coefficients and scales."""

@@ -393,16 +393,17 @@ class LookupConfig(_Section):
 
 
 class CompareConfig(_Section):
-    """Published fits and look-up tables to judge on a table beside ours."""
+    """Published and shipped fits and look-up tables to judge on a table beside those of the study."""
 
     tables: Annotated[list[str], Field(min_length=1, description="names of tables")]
     published: Annotated[list[str], Field(min_length=1, description="names of published fits")] | None = None
+    shipped: Annotated[list[str], Field(min_length=1, description="names of shipped fits")] | None = None
     lookups: Annotated[list[LookupConfig], Field(min_length=1, description="small tables")] | None = None
 
     @model_validator(mode="after")
     def _something(self) -> "CompareConfig":
-        if not (self.published or self.lookups):
-            raise ValueError("give published, lookups or both")
+        if not (self.published or self.shipped or self.lookups):
+            raise ValueError("give published, shipped or lookups, or several of them")
         return self
 
 
@@ -422,7 +423,7 @@ class StudyConfig(_Section):
     plugins: Annotated[list[str], Field(description="Python files or modules that register models")] = []
     tables: Annotated[list[TableConfig], Field(min_length=1, description="tables to compute")]
     fits: Annotated[list[FitsConfig], Field(description="fits to make")] = []
-    compare: Annotated[list[CompareConfig], Field(description="published fits to judge")] = []
+    compare: Annotated[list[CompareConfig], Field(description="what to judge beside the fits")] = []
     report: Annotated[ReportConfig, Field(description="what the report writes")] = ReportConfig()
 
 

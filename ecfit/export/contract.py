@@ -6,6 +6,7 @@ import textwrap
 from collections.abc import Sequence
 
 from ecfit.approximation import Approximation
+from ecfit.approximation.approximation import OURS
 from ecfit.contract import LOBES, QUANTITIES, TRANSPORTS
 from ecfit.export.coordinates import MEANINGS, Arguments
 from ecfit.expressions.cost import Cost
@@ -60,7 +61,7 @@ def contract_lines(
     rows += [("Error", text) if i == 0 else ("", text) for i, text in enumerate(evidence)]
     numbers = f"{approximation.count} numbers"
     rows.append(("Cost", f"{numbers}, {cost}" if cost is not None else numbers))
-    ours = approximation.source == "ecfit"
+    ours = approximation.source == OURS
     rows.append(("Origin", f"ecfit, fit '{approximation.name}'" if ours else approximation.source))
     rows.append(("Hash", fingerprint(approximation)))
     lines = [f"{function}({', '.join(arguments.names)})", ""]

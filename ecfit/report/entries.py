@@ -1,4 +1,4 @@
-"""`Entry`: a row of a report, the same for our fits, published approximations and look-up tables."""
+"""`Entry`: a row of a report, the same for a study's fits and for what is judged beside them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ecfit.approximation import Approximation
+from ecfit.approximation.standing import standing, standing_status
 from ecfit.errors import EcfitError
 from ecfit.expressions.cost import cost
 from ecfit.fitting import Fit
@@ -19,7 +20,7 @@ class Entry:
     """An approximation judged on a table.
 
     Attributes:
-        kind: "fit", "published" or "table" (a look-up table).
+        kind: "fit", or what `standing` says.
         approximation: what is judged.
         errors: on the nodes of the table.
         smallest: minimum of the denominator over the whole domain of the approximation.
@@ -68,12 +69,10 @@ def entries(
     """Rows of a table: our fits in their order, then what is judged beside them."""
     out = [Entry("fit", f.approximation, f.errors, f.smallest, f.status, f.ok, (), f) for f in fits]
     for approximation, errors in published:
-        kind = "table" if approximation.form == "lookup" else "published"
         smallest = approximation.smallest_denominator()
-        whole = smallest.bound > 0.0
         otherwise = tuple(approximation.contract.differences(table.contract))
-        status = kind if whole else f"{kind}, pole"
-        out.append(Entry(kind, approximation, errors, smallest, status, whole, otherwise))
+        kind, status = standing(approximation), standing_status(approximation, smallest)
+        out.append(Entry(kind, approximation, errors, smallest, status, smallest.bound > 0.0, otherwise))
     return out
 
 

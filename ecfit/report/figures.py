@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ecfit.approximation import Approximation
+from ecfit.approximation.standing import standing
 from ecfit.fitting import Fit
 from ecfit.fitting.selection import Choice, front
 from ecfit.metrics import Errors, predict, signed_error
@@ -86,8 +87,9 @@ def degree_vs_error(name: str, table: Table, fits: Sequence[Fit], published: Pub
                 markeredgecolor=COLOURS["other"], label=f"{fit.approximation.name}{_mark(fit)}",
             )  # fmt: skip
         for approximation, errors in published:
+            kind = standing(approximation)
             right.plot(
-                approximation.count, errors.mae, "*", color=COLOURS["published"], markersize=11,
+                approximation.count, errors.mae, MARKERS[kind], color=COLOURS[kind], markersize=11,
                 label=_published_label(approximation, table), linestyle="none",
             )  # fmt: skip
         right.set(yscale="log", xlabel="number of coefficients", ylabel="mean absolute error")
@@ -199,7 +201,7 @@ def error_along_axes(name: str, table: Table, fits: Sequence[Fit], published: Pu
         )
         for f in fits
     ]
-    entries += [(a, COLOURS["published"], _otherwise(a, table), 1.0) for a, _ in published]
+    entries += [(a, COLOURS[standing(a)], _otherwise(a, table), 1.0) for a, _ in published]
     with look():
         figure = Figure(figsize=(9.6, 3.8), layout="constrained")
         panels = np.atleast_1d(figure.subplots(1, len(table.axes), sharey=True))

@@ -154,7 +154,7 @@ def plot_error_against_cost(
 
 
 def against_cost(axes: Axes, rows: Sequence[Entry], by: By) -> None:
-    """Draw RMSE against cost: families as lines, what is published and tables as points, poles as rings."""
+    """Draw RMSE against cost: families as lines, what stands beside them as points, poles as rings."""
     drawn: dict[str, list[tuple[float, Entry]]] = {}
     for row in rows:
         x = float(row.count) if by == "coefficients" else row.operations
@@ -166,8 +166,8 @@ def against_cost(axes: Axes, rows: Sequence[Entry], by: By) -> None:
         colour = COLOURS.get(family, COLOURS["other"])
         marker = MARKERS.get(family, "D")
         style = "-" if kind == "fit" and len(found) > 1 else "none"
-        size = {"fit": 4.5, "published": 10.0, "table": 6.0}[kind]
-        label = {"fit": family, "published": "published", "table": "look-up tables"}[kind]
+        size = {"fit": 4.5, "published": 10.0, "shipped": 7.0, "table": 6.0}[kind]
+        label = {"fit": family, "table": "look-up tables"}.get(kind, kind)
         good = [(x, r.errors.rmse) for x, r in found if r.usable]
         bad = [(x, r.errors.rmse) for x, r in found if not r.usable]
         if good:

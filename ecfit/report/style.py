@@ -15,10 +15,11 @@ COLOURS = {
     "polynomial": "#0072B2",
     "rational": "#D55E00",
     "published": "#111111",
+    "shipped": "#56B4E9",
     "table": "#CC79A7",
     "other": "#009E73",
 }
-MARKERS = {"polynomial": "o", "rational": "s", "published": "*", "table": "^"}
+MARKERS = {"polynomial": "o", "rational": "s", "published": "*", "shipped": "P", "table": "^"}
 # Text and lines: near black, and one word for a page to replace where it is dark.
 INK = "#111111"
 VALUES, SIGNED = "viridis", "RdBu_r"

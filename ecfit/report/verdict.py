@@ -16,6 +16,8 @@ from ecfit.report.entries import Entry, best
 BUDGETS = (5, 10, 20, 40)
 # The proofs of larger formulas take minutes and fail for want of boxes.
 _PROVED_NUMBERS = 64
+# What is judged beside fits, in the order of the verdict.
+_NOUNS = {"published": "published approximations", "shipped": "the fits shipped with ecfit"}
 # Raised where the same formula may be judged otherwise than before.
 _PROOFS = "proofs-1"
 
@@ -60,11 +62,9 @@ def choices(of: Sequence[Entry], prover: Prover, budgets: Sequence[int] = BUDGET
 
 
 def sentences(of: Sequence[Entry]) -> list[str]:
-    """The verdict in words: our best fit and its furnace, and how it stands to the best published one."""
+    """The verdict in words: the study's best fit and its furnace; the best published and shipped ones."""
     fits = [e for e in of if e.kind == "fit"]
-    others = [e for e in of if e.kind == "published"]
     ours = best(fits)
-    theirs = best([e for e in others if not e.otherwise]) or best(others)
     out = []
     if not fits:
         out.append("No fits were asked for.")
@@ -73,8 +73,11 @@ def sentences(of: Sequence[Entry]) -> list[str]:
         out.append(f"No usable fit{': ' + worst.warning() if worst and worst.warning() else ''}.")
     else:
         out.append(_account(ours))
-    if theirs is not None:
-        out.append(_beside(theirs, [e for e in fits if e.count <= theirs.count]))
+    for kind in _NOUNS:
+        others = [e for e in of if e.kind == kind]
+        theirs = best([e for e in others if not e.otherwise]) or best(others)
+        if theirs is not None:
+            out.append(_beside(theirs, [e for e in fits if e.count <= theirs.count]))
     return out
 
 
@@ -99,12 +102,12 @@ def percentage(x: float) -> str:
 
 
 def _beside(theirs: Entry, rivals: Sequence[Entry]) -> str:
-    """How the best published approximation stands to ours; no rival where it was made for something else."""
+    """How the best of a kind stands to the study's fits; no rival where it was made for something else."""
     said = f"RMSE {theirs.errors.rmse:.2e}"
     if theirs.otherwise:
         made = ", ".join(theirs.otherwise)
-        return f"The published {theirs.name} was made for {made}: {said} on this table, and no comparison."
-    said = f"Of published approximations {theirs.name}, {theirs.count} numbers, comes nearest: {said}"
+        return f"The {theirs.kind} {theirs.name} was made for {made}: {said} here, and no comparison."
+    said = f"Of {_NOUNS[theirs.kind]} {theirs.name}, {theirs.count} numbers, comes nearest: {said}"
     ours = best(rivals)
     if ours is None or ours.errors.rmse <= 0.0:
         return f"{said}."

@@ -151,8 +151,8 @@ def _drawings(
         yield _Drawing(
             f"{name}-error-against-cost",
             "RMS error against the numbers to store (left) and the operations of an evaluation (right), both "
-            "logarithmic. Lines: our fits; stars: published approximations; triangles: look-up tables, which "
-            "fetch instead; rings: a pole, or not converged.",
+            "logarithmic. Lines: fits of this study; stars: published approximations; pluses: fits shipped "
+            "with ecfit; triangles: look-up tables, which fetch instead; rings: a pole, or not converged.",
             lambda: figures.error_against_cost(name, rows),
             "first",
         )
@@ -220,7 +220,7 @@ def _section(study: StudyLike, number: int, name: str, table: Table, prove: Prov
     ours = best([e for e in rows if e.kind == "fit"])
     besides = [ours] if ours is not None and ours not in named else []
     spare = [_Chosen(None, "", e, prove(e.approximation), _codes(e, name)) for e in besides]
-    drawn = list(dict.fromkeys([*besides, *named, *(e for e in rows if e.kind == "published")]))
+    drawn = list(dict.fromkeys([*besides, *named, *(e for e in rows if e.kind in ("published", "shipped"))]))
     drawings = _drawings(name, table, fits, published, rows, study.searches.get(name, []))
     folder, kinds = study.folder / "figures", study.config.report.figures
     return _Section(

@@ -1,11 +1,10 @@
-"""Figures of weights and of closed albedos: functions that return a Matplotlib figure and write nothing."""
+"""Figures of weights: functions that return a Matplotlib figure and write nothing."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from ecfit.approximation import Approximation
 from ecfit.bsdf import BSDF
 from ecfit.report.style import look
 from ecfit.sampling.techniques import Technique
@@ -50,21 +49,4 @@ def weights_over_roughness(
         for axis, title in zip(axes, ("variance of the weight", "largest weight"), strict=True):
             axis.set(xlabel="angle of view in degrees", title=title, yscale="log")
         axes[0].legend(fontsize=6, frameon=False)
-    return figure
-
-
-def albedo_errors(model: BSDF, fits: Mapping[str, Approximation], count: int = 400) -> Figure:
-    """Error of approximations of a closed albedo against mu at the model's parameters (figure 6, right)."""
-    mu = np.linspace(0.0, 1.0, count)
-    exact = np.asarray(model.exact_albedo(mu))  # pyright: ignore[reportArgumentType]
-    given = {n: float(model.parameter_value(n)) for n in model.active_parameters()}
-    with look():
-        figure = Figure(figsize=(6.0, 3.2), layout="constrained")
-        axis = figure.subplots()
-        for label, fit in fits.items():
-            at = {n: given[n] for n in fit.variables if n != "mu"}
-            axis.plot(mu, np.asarray(fit(mu=mu, **at)) - exact, label=label, linewidth=1.2)
-        axis.axhline(0.0, color="0.7", linewidth=0.6)
-        axis.set(xlabel="mu", ylabel="approximation - E")
-        axis.legend(fontsize=7, frameon=False)
     return figure

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ecfit.approximation import Approximation, published
+from ecfit.approximation import Approximation, published, shipped
 from ecfit.approximation.tables import lookup_request
 from ecfit.bsdf import model
 from ecfit.config import AxisConfig, CompareConfig, StudyConfig, TableConfig
@@ -176,7 +176,7 @@ def make_plan(config: StudyConfig, base: Path) -> Plan:
     compare: dict[str, tuple[Approximation, ...]] = {}
     lookups: dict[str, tuple[Request, ...]] = {}
     for section in config.compare:
-        found = tuple(published(name) for name in section.published or ())
+        found = tuple(map(published, section.published or ())) + tuple(map(shipped, section.shipped or ()))
         for name in section.tables:
             for approximation in found:
                 _check_coordinates(approximation, name, requests[name])
@@ -213,7 +213,7 @@ def _check_coordinates(approximation: Approximation, name: str, table: Request |
         axes = {axis.name: axis.nominal for axis in table.grid.axes}
         approximation.nodes_of(axes, table.contract.parameters)
     except EcfitError as error:
-        raise EcfitError(f"table '{name}' cannot judge a published fit: {error}") from None
+        raise EcfitError(f"table '{name}' cannot judge {approximation.name}: {error}") from None
 
 
 def _lookups(section: CompareConfig, name: str, table: Request | Given) -> tuple[Request, ...]:

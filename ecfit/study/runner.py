@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ecfit.approximation import Approximation
+from ecfit.approximation.standing import standing_status
 from ecfit.approximation.tables import as_lookup, lookup_name
 from ecfit.config import StudyConfig, read_config, to_toml
 from ecfit.display import grid
@@ -317,7 +318,7 @@ def _summary_rows(study: Study) -> Iterator[tuple[Any, ...]]:
                 approximation.count,
                 *_error_cells(errors),
                 _number(smallest.value),
-                _standing(approximation, smallest.bound),
+                standing_status(approximation, smallest),
                 _place(errors),
                 _number(errors.furnace_mean),
                 _number(errors.furnace_max),
@@ -345,13 +346,6 @@ def _search_rows(study: Study) -> Iterator[tuple[Any, ...]]:
                     f"{cost.total:g}",
                     "yes" if choice in best else "",
                 )
-
-
-def _standing(approximation: Approximation, bound: float) -> str:
-    """The status of what is judged beside our fits."""
-    if approximation.form == "lookup":
-        return "table"
-    return "published" if bound > 0.0 else "published, pole"
 
 
 def _error_cells(errors: Errors) -> tuple[str, str, str]:

@@ -21,7 +21,7 @@ def plain(name: str, *coefficients: float) -> ecfit.Approximation:
     terms = Terms(np.arange(len(coefficients))[:, None], np.zeros((0, 1), dtype=int))
     return ecfit.Approximation.quotient(
         name, "polynomial", str(len(coefficients) - 1), ("r",), terms, np.array(coefficients),
-        ((0.0, 1.0),), Contract("unknown"),
+        ((0.0, 1.0),), Contract("unknown"), "Somebody 2020",
     )  # fmt: skip
 
 
@@ -64,6 +64,18 @@ def test_words_name_the_fit_its_furnace_and_the_published_rival(table):
     assert "a white furnace normalised with it deviates by" in said[0]
     assert said[1].startswith("Of published approximations printed, 4 numbers, comes nearest: RMSE")
     assert "polynomial 3 (4) has one" in said[1]
+
+
+def test_a_shipped_fit_is_told_after_a_published_one(table):
+    fit = ecfit.fit(table, ecfit.Polynomial(1))
+    ours = dataclasses.replace(plain("ours", 0.5, 0.25, 0.0, 0.1), source="ecfit")
+    others = [ours, plain("printed", 0.5, 0.5)]
+    rows = entries(table, [fit], [(a, measure(a, table)) for a in others])
+    assert [row.status for row in rows[1:]] == ["shipped", "published"]
+    assert [c.entry.name for c in choices(rows, nothing, budgets=(4,))] == ["ours"]
+    said = sentences(rows)
+    assert said[1].startswith("Of published approximations printed")
+    assert said[2].startswith("Of the fits shipped with ecfit ours, 4 numbers, comes nearest")
 
 
 def test_ratios_are_those_of_the_errors(table):

@@ -1,11 +1,10 @@
 """Figures show what they say: a line for each technique, with its values."""
 
 import numpy as np
-import pytest
 
 import ecfit
 from ecfit.sampling import technique
-from ecfit.sampling.figures import albedo_errors, weights_over_angle, weights_over_roughness
+from ecfit.sampling.figures import weights_over_angle, weights_over_roughness
 
 
 def test_weights_over_the_angle():
@@ -19,10 +18,3 @@ def test_weights_over_roughness():
     made = weights_over_roughness(ecfit.model("eon"), {"cosine": technique("cosine")}, [0.5, 1.0], count=2)
     first, second = made.axes[0].get_lines()
     assert np.asarray(second.get_ydata())[1] > np.asarray(first.get_ydata())[1]
-
-
-def test_errors_of_albedos():
-    model = ecfit.model("fon", diffuse_roughness=1.0)
-    made = albedo_errors(model, {"printed": ecfit.published("portsmouth-2024-fon")}, count=64)
-    line = np.asarray(made.axes[0].get_lines()[0].get_ydata())
-    assert line[0] == pytest.approx(3.56e-4, rel=1e-2)  # E > 1 at mu = 0

@@ -23,6 +23,7 @@ degree = 1
 [[compare]]
 tables = ["f"]
 published = ["deon-average-fresnel", "osl-average-fresnel"]
+shipped = ["average-fresnel-4"]
 lookups = [
   { counts = { F0 = 5 }, through = { F0 = "fourth-power" } },
   { counts = { ior = 4 } },
@@ -46,6 +47,7 @@ def test_formulas_and_tables_have_a_row_each(finished):
     assert [(r["form"], r["coefficients"], r["status"]) for r in rows[1:]] == [
         ("deon-average-fresnel", "4", "published"),
         ("osl-average-fresnel", "2", "published"),
+        ("average-fresnel-4", "4", "shipped"),
         ("table-5-F0-fourth-power", "5", "table"),
         ("table-4", "4", "table"),
     ]
@@ -69,6 +71,7 @@ def test_the_report_tells_tables_from_formulas(finished):
     assert "| table-4 | 4 |" in text
     assert text.count("| published |") == 2
     assert text.count("| table |") == 2
+    assert text.count("| shipped |") == 1
 
 
 @pytest.mark.parametrize(
@@ -79,6 +82,8 @@ def test_the_report_tells_tables_from_formulas(finished):
         ('{ F0 = "fourth-power" }', '{ mu = "square" }', "through names 'mu', which is not in counts"),
         ('{ F0 = "fourth-power" }', '{ F0 = "cube" }', "expected one of identity"),
         ("{ ior = 4 }", "{ ior = 1 }", "greater than or equal to 2"),
+        ("average-fresnel-4", "average-fresnel-3", "unknown shipped fit 'average-fresnel-3'"),
+        ("average-fresnel-4", "conductor-10", "function of mu, alpha, the table of F0"),
         ('published = ["deon-average-fresnel", "osl-average-fresnel"]', "published = []", "at least 1 item"),
     ],
 )
@@ -93,7 +98,7 @@ def test_what_cannot_be_compared_is_told(tmp_path: Path, old: str, new: str, mes
 def test_a_comparison_with_nothing_is_told(tmp_path: Path):
     path = tmp_path / "bad.toml"
     path.write_text(CONFIG[: CONFIG.index("published =")] + CONFIG[CONFIG.index("[report]") :])
-    with pytest.raises(ecfit.EcfitError, match="give published, lookups or both"):
+    with pytest.raises(ecfit.EcfitError, match="give published, shipped or lookups"):
         read_config(path)
 
 

@@ -1,0 +1,47 @@
+"""The command line, a file a theme.
+
+Help loads no command; a command loads its own file, and JAX when nothing was mistaken before that needs it.
+"""
+
+import os
+import sys
+from typing import NoReturn
+
+from ecfit.cli.overview import asks_for_page, page
+from ecfit.errors import EcfitError
+
+# Before NumPy loads: JAX has a pool of threads of its own, and where two pools share the cores small
+# factorisations take up to a hundred times longer (docs/performance.md).
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Entry point: a mistake is one message and exit code 2; an interrupt says how to go on (130)."""
+    words = sys.argv[1:] if arguments is None else arguments
+    try:
+        if asks_for_page(words):
+            print(page())
+        else:
+            _call(words)
+    except EcfitError as error:
+        _fail(f"error: {error}")
+    except KeyboardInterrupt:
+        _fail("stopped; what is finished is kept: the same command goes on from here", 130)
+    except MemoryError:
+        _fail("error: out of memory: use fewer nodes an axis")
+    except BrokenPipeError:
+        raise SystemExit(0) from None
+
+
+def _call(words: list[str]) -> None:
+    """What help does without: the folder of compiled code, and cyclopts (0.2 s)."""
+    from ecfit._cache import keep_compiled
+    from ecfit.cli.app import call
+
+    keep_compiled()
+    call(words)
+
+
+def _fail(text: str, code: int = 2) -> NoReturn:
+    print(text, file=sys.stderr)
+    raise SystemExit(code)
