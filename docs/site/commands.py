@@ -3,7 +3,7 @@
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
-from ecfit.cli import app
+from ecfit.cli.app import app
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
