@@ -3,7 +3,7 @@
 Fenced and indented blocks are what CommonMark says they are (markdown-it). A page is one test: its blocks run in order,
 Python in one namespace, in a folder of its own with the repository's configs and examples. Comments before a block:
 
-    <!-- slow: why -->              run by `make test-all` only, with all of its page
+    <!-- slow: why -->              run by `make test-all` only, and checked by `make test`
     <!-- not run: why -->           only checked: Python compiled, commands parsed, with their options and files
     <!-- setup: python ... -->      what a page takes for granted: run, not shown
 
@@ -81,9 +81,9 @@ def blocks(page: Path) -> Iterator[Block]:
 ALL = {page: list(blocks(page)) for page in PAGES}
 
 
-def with_code(slow: bool) -> list[Any]:
-    """The pages with code, as parameters: those with a slow block, or those without."""
-    found = [p for p, code in ALL.items() if code and slow == any(b.mark == "slow" for b in code)]
+def pages(mark: str | None = None) -> list[Any]:
+    """The pages with code, or with code of a mark, as parameters."""
+    found = [p for p, code in ALL.items() if code and (mark is None or any(b.mark == mark for b in code))]
     return [pytest.param(p, id=str(p.relative_to(ROOT))) for p in found]
 
 
@@ -136,9 +136,9 @@ def check_study(block: Block, folder: Path) -> None:
     read_config(path)
 
 
-def run(block: Block, names: dict[str, Any], folder: Path) -> None:
+def run(block: Block, names: dict[str, Any], folder: Path, slow: bool = False) -> None:
     """Do with a block what its language and its mark ask for."""
-    checked_only = block.mark == "not run"
+    checked_only = block.mark == "not run" or (block.mark == "slow" and not slow)
     if block.language == "python":
         # Line numbers of the page, so that a traceback shows the line.
         code = compile("\n" * (block.line - 1) + block.text, str(block.page), "exec")
@@ -169,25 +169,25 @@ def terminal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     plt.close("all")
 
 
-def run_page(page: Path, folder: Path) -> None:
+def run_page(page: Path, folder: Path, slow: bool = False) -> None:
     names: dict[str, Any] = {"__name__": "__main__"}
     for block in ALL[page]:
         try:
-            run(block, names, folder)
+            run(block, names, folder, slow)
         except Exception as error:
             error.add_note(f"in the snippet at {block.place}")
             raise
 
 
-@pytest.mark.parametrize("page", with_code(slow=False))
+@pytest.mark.parametrize("page", pages())
 def test_the_snippets_of_a_page_run(page: Path, terminal: Path):
     run_page(page, terminal)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", with_code(slow=True))
-def test_the_slow_snippets_of_a_page_run(page: Path, terminal: Path):
-    run_page(page, terminal)
+@pytest.mark.parametrize("page", pages("slow"))
+def test_all_snippets_of_a_page_run(page: Path, terminal: Path):
+    run_page(page, terminal, slow=True)
 
 
 @pytest.mark.parametrize(
