@@ -39,7 +39,14 @@ _SETUP = re.compile(r"<!-- setup: python\n(.*?)-->", re.DOTALL)
 _FOLDERS = ("benchmarks", "configs", "examples")
 # A command runs these, each in its own way; a snippet of them is never run here.
 _OTHERS = ("apt-get", "cc", "cd", "make", "pip", "pytest", "python", "xdg-open")
-# What a fragment of a study is checked with: a table of the name that its fits ask for.
+# What a fragment of a study is checked with: the fit that a head stands in, a table of the name that fits ask for.
+_HEAD = """
+[[fits]]
+tables = ["conductor"]
+form = "structured"
+features = ["mu", "alpha"]
+terms = { numerators = [[[0, 0], [1, 0]]], denominator = [[0, 0], [0, 1]] }
+"""
 _TABLE = '\n[[tables]]\nname = "{}"\nmodel = "conductor"\naxes = {{ r = 8, mu = 8 }}\n'
 
 
@@ -124,8 +131,8 @@ def run_command(words: list[str]) -> None:
 def check_study(block: Block, folder: Path) -> None:
     """That a study, or a section of one, has no fault: missing parts are added."""
     text = block.text
-    if block.language == "toml" and "=" in text and "[[" not in text:
-        text = f'[[fits]]\ntables = ["conductor"]\nform = "structured"\n{text}'  # a line of a section
+    if text.startswith("head ="):
+        text = _HEAD + text
     if not re.search(r"^name = .*\n\n?(?=\[\[)", text, re.MULTILINE):
         text = f'name = "page"\n{text}'
     for name in re.findall(r'tables = \["([\w.-]+)"\]', text)[:1]:
