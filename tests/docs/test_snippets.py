@@ -7,10 +7,12 @@ Python in one namespace, in a folder of its own with the repository's configs an
     <!-- not run: why -->           only checked: Python compiled, commands parsed, with their options and files
     <!-- setup: python ... -->      what a page takes for granted: run, not shown
 
-Commands (sh, and indented blocks) of `ecfit` run in this process. TOML is a study, or a section of one, and is checked as
-a study is. Text is what somebody prints. Code of other languages needs the renderer around it, and must say so.
+Commands (sh, and indented blocks) of `ecfit` run in this process. Sessions (pycon) are doctests: their output is compared.
+TOML is a study, or a section of one, and is checked as a study is. Text is what somebody prints. Code of other languages
+needs the renderer around it, and must say so.
 """
 
+import doctest
 import re
 import shlex
 import shutil
@@ -36,7 +38,7 @@ PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
 _MARK = re.compile(r"<!-- (slow|not run): (.+?) -->", re.DOTALL)
 _SETUP = re.compile(r"<!-- setup: python\n(.*?)-->", re.DOTALL)
 # Of the repository; whoever reads a page at a terminal has them.
-_FOLDERS = ("benchmarks", "configs", "examples")
+_FOLDERS = ("benchmarks", "configs", "examples", "results/paper-small/fits")
 # A command runs these, each in its own way; a snippet of them is never run here.
 _OTHERS = ("apt-get", "cc", "cd", "make", "pip", "pytest", "python", "xdg-open")
 # What a fragment of a study is checked with: the fit that a head stands in, a table of the name that fits ask for.
@@ -128,6 +130,14 @@ def run_command(words: list[str]) -> None:
         assert found or stop.code in (None, 0), f"exit code {stop.code}: {shlex.join(words)}"
 
 
+def run_session(session: doctest.DocTest) -> None:
+    """Run a doctest; "..." stands for any text, and of an exception's traceback only the last line counts."""
+    told: list[str] = []
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE)
+    runner.run(session, out=told.append, clear_globs=False)
+    assert not runner.failures, "".join(told)
+
+
 def check_study(block: Block, folder: Path) -> None:
     """That a study, or a section of one, has no fault: missing parts are added."""
     text = block.text
@@ -151,6 +161,11 @@ def run(block: Block, names: dict[str, Any], folder: Path, slow: bool = False) -
         code = compile("\n" * (block.line - 1) + block.text, str(block.page), "exec")
         if not checked_only:
             exec(code, names)
+    elif block.language == "pycon":
+        session = doctest.DocTestParser().get_doctest(block.text, names, block.place, str(block.page), block.line)
+        if not checked_only:
+            run_session(session)
+            names.update(session.globs)
     elif block.language == "sh":
         for words in commands(block):
             check_command(words)
@@ -208,6 +223,7 @@ def test_all_snippets_of_a_page_run(page: Path, terminal: Path):
         ("```\nno language\n```", "no language"),
         ("```glsl\nfloat x;\n```", "say so before the block"),
         ("```python\n1 / 0\n```", "division by zero"),
+        ("```pycon\n>>> 1 + 1\n3\n```", "Got:\n      2"),
         ("<!-- not run: broken -->\n```python\n1 +\n```", "invalid syntax"),
         ('```toml\n[[fits]]\ntables = ["conductor"]\nform = "rational"\ndegre = 3\n```', "degre"),
     ],
