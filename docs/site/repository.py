@@ -1,7 +1,8 @@
 """Links from pages to files of the repository (../results/..., ../configs/...): the files come along.
 
-On a git host such links just work. The site has no file above docs/, so what a page links to is copied under
-repository/, with its path; a linked page (a study's report.md) becomes a page, and what it links to comes too.
+On a git host such links just work. The site has no file above docs/, so what a page links to is copied
+under repository/, with its path; a linked page (a study's report.md) becomes a page, and what it links to
+comes too.
 """
 
 import posixpath

@@ -1,15 +1,16 @@
 """Every snippet of the documentation is run, or says why not.
 
-Fenced and indented blocks are what CommonMark says they are (markdown-it). A page is one test: its blocks run in order,
-Python in one namespace, in a folder of its own with the repository's configs and examples. Comments before a block:
+Fenced and indented blocks are what CommonMark says they are (markdown-it). A page is one test: its blocks
+run in order, Python in one namespace, in a folder of its own with the repository's configs and examples.
+Comments before a block:
 
-    <!-- slow: why -->              run by `make test-all` only, and checked by `make test`
-    <!-- not run: why -->           only checked: Python compiled, commands parsed, with their options and files
-    <!-- setup: python ... -->      what a page takes for granted: run, not shown
+    <!-- slow: why -->           run by `make test-all` only, and checked by `make test`
+    <!-- not run: why -->        only checked: Python compiled, commands parsed with their options and files
+    <!-- setup: python ... -->   what a page takes for granted: run, not shown
 
-Commands (sh, and indented blocks) of `ecfit` run in this process. Sessions (pycon) are doctests: their output is compared.
-TOML is a study, or a section of one, and is checked as a study is. Text is what somebody prints. Code of other languages
-needs the renderer around it, and must say so.
+Commands (sh, and indented blocks) of `ecfit` run in this process. Sessions (pycon) are doctests: their
+output is compared. TOML is a study, or a section of one, and is checked as a study is. Text is what somebody
+prints. Code of other languages needs the renderer around it, and must say so.
 """
 
 import doctest
@@ -17,7 +18,7 @@ import re
 import shlex
 import shutil
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +42,7 @@ _SETUP = re.compile(r"<!-- setup: python\n(.*?)-->", re.DOTALL)
 _FOLDERS = ("benchmarks", "configs", "examples", "results/paper-small/fits")
 # A command runs these, each in its own way; a snippet of them is never run here.
 _OTHERS = ("apt-get", "cc", "cd", "make", "pip", "pytest", "python", "xdg-open")
-# What a fragment of a study is checked with: the fit that a head stands in, a table of the name that fits ask for.
+# What a fragment of a study is checked with: the fit that a head stands in, and the table that a fit asks for.
 _HEAD = """
 [[fits]]
 tables = ["conductor"]
@@ -123,11 +124,13 @@ def check_command(words: list[str]) -> None:
 
 def run_command(words: list[str]) -> None:
     """Run a command of ecfit in this process; audits and comparisons that find something exit with 1."""
+    code: Any = 0
     try:
         cli.main(words[1:])
     except SystemExit as stop:
-        found = words[1] in ("check", "compare") and stop.code == 1
-        assert found or stop.code in (None, 0), f"exit code {stop.code}: {shlex.join(words)}"
+        code = stop.code
+    found = words[1] in ("check", "compare") and code == 1
+    assert found or not code, f"exit code {code}: {shlex.join(words)}"
 
 
 def run_session(session: doctest.DocTest) -> None:
@@ -162,7 +165,8 @@ def run(block: Block, names: dict[str, Any], folder: Path, slow: bool = False) -
         if not checked_only:
             exec(code, names)
     elif block.language == "pycon":
-        session = doctest.DocTestParser().get_doctest(block.text, names, block.place, str(block.page), block.line)
+        parse = doctest.DocTestParser().get_doctest
+        session = parse(block.text, names, block.place, str(block.page), block.line - 1)
         if not checked_only:
             run_session(session)
             names.update(session.globs)
@@ -229,17 +233,17 @@ def test_all_snippets_of_a_page_run(page: Path, terminal: Path):
     ],
 )
 def test_a_broken_snippet_fails(text: str, message: str, terminal: Path):
-    page = ROOT / "docs" / "page.md"
     path = terminal / "page.md"
     path.write_text(text)
+    (block,) = blocks(path)
     with pytest.raises(Exception, match=re.escape(message)):
-        for block in blocks(path):
-            run(Block(page, block.line, block.language, block.text, block.mark), {}, terminal)
+        run(replace(block, page=ROOT / "docs" / "page.md"), {}, terminal)
 
 
 def test_a_block_is_read_with_its_mark_and_its_set_up(tmp_path: Path):
     path = tmp_path / "page.md"
-    path.write_text("<!-- setup: python\nx = 1\n-->\n\n<!-- slow: a minute -->\n```python\nx\n```\n\n    ecfit list\n")
+    setup, slow = "<!-- setup: python\nx = 1\n-->\n\n", "<!-- slow: a minute -->\n```python\nx\n```\n\n"
+    path.write_text(f"{setup}{slow}    ecfit list\n")
     found = [(b.language, b.text, b.mark) for b in blocks(path)]
     assert found == [("python", "x = 1\n", "setup"), ("python", "x\n", "slow"), ("sh", "ecfit list\n", "")]
 
