@@ -1,7 +1,7 @@
-"""The picture of the layers, drawn from the imports into docs/figures/layers.svg: `python docs/site/layers.py`.
+"""The picture of the layers, drawn from the imports: `python docs/site/layers.py`.
 
 A matrix of packages in the order of docs/architecture.md. Where data flows one way every dot lies below the
-staircase of names. tests/docs/test_layers.py holds the picture to the imports.
+staircase of names. tests/docs/test_layers.py holds docs/figures/layers.svg to the imports.
 """
 
 import ast

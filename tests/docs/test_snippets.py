@@ -42,7 +42,7 @@ _SETUP = re.compile(r"<!-- setup: python\n(.*?)-->", re.DOTALL)
 _FOLDERS = ("benchmarks", "configs", "examples", "results/paper-small/fits")
 # A command runs these, each in its own way; a snippet of them is never run here.
 _OTHERS = ("apt-get", "cc", "cd", "make", "pip", "pytest", "python", "xdg-open")
-# What a fragment of a study is checked with: the fit that a head stands in, and the table that a fit asks for.
+# What a fragment of a study is checked with: a fit for a head, and the table that a fit asks for.
 _HEAD = """
 [[fits]]
 tables = ["conductor"]
