@@ -12,9 +12,6 @@ compiled function is checked against ecfit's value at the same points.
 """
 
 import ctypes
-import os
-import shlex
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -32,6 +29,7 @@ import ecfit
 from ecfit.approximation import Approximation, Lookup, published_names
 from ecfit.certify.truth import Sampling
 from ecfit.errors import EcfitError
+from ecfit.export.compilers import CC
 from ecfit.expressions import cost, value
 
 Array = np.ndarray
@@ -78,8 +76,7 @@ class Subject(NamedTuple):
 
 def compiler() -> list[str] | None:
     """The C compiler's command, or None where there is none."""
-    command = shlex.split(os.environ.get("CC", "cc"))
-    return command if command and shutil.which(command[0]) else None
+    return CC.command()
 
 
 def of_formula(approximation: Approximation) -> Subject:

@@ -22,7 +22,9 @@ from ecfit.export.code import default_name, expression
 from ecfit.export.coordinates import arguments
 from ecfit.expressions import cost
 from ecfit.shaders import TOOLS, Tool, case, check_all
-from ecfit.shaders.check import AGAIN, COMMON, LEAST, ULP, Agreement, Report
+from ecfit.shaders.agreement import AGAIN, COMMON, ULP, Agreement
+from ecfit.shaders.cases import LEAST
+from ecfit.shaders.check import Report
 from ecfit.shaders.tools import tool as named
 
 POINTS, QUICK = 2048, 2 * LEAST
@@ -105,7 +107,7 @@ def main() -> None:
     reports.sort(key=lambda r: list(TOOLS).index(r.tool.name))
     print(f"\n{tools(reports)}\n\n{fits(found, reports)}")
     values = [a for r in reports if r.outcome is not None for a in r.outcome.agreements]
-    bad = sum(a.not_finite for a in values)
+    bad = sum(a.not_finite + a.unknown for a in values)
     ratio = max((a.error / (AGAIN * a.numpy_error + ULP) for a in values), default=np.nan)
     print(f"\n{len(values)} functions run, {bad} values not finite, worst error / allowed: {ratio:.2f}")
     if given.write:

@@ -1,7 +1,8 @@
 """The one error that ecfit raises for a user's mistake: what happened, and the remedy, in one line."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 
 class EcfitError(Exception):
@@ -23,3 +24,13 @@ def unknown(kind: str, name: object, valid: Iterable[str]) -> EcfitError:
     return EcfitError(
         f"unknown {kind} '{name}': expected one of {', '.join(valid)}{did_you_mean(str(name), valid)}"
     )
+
+
+def refuse_ignored(why: str, given: Mapping[str, Any]) -> None:
+    """Raise `EcfitError` where something of what was given would have no effect: what is not None, nor empty.
+
+    `why`: the beginning of the message, which ends with the names to leave out.
+    """
+    names = [k for k, v in given.items() if v is not None and not (isinstance(v, tuple | Mapping) and not v)]
+    if names:
+        raise EcfitError(f"{why}: leave out {', '.join(names)}")

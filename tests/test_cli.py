@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import re
 import subprocess
 import sys
 from importlib import import_module
@@ -268,7 +269,9 @@ def test_a_table_is_exported_imported_and_checked(capsys: pytest.CaptureFixture[
         header,
     ]
     code, out, err = call(capsys, *made)
-    assert (code, err) == (0, "")
+    assert code == 0
+    assert "directional-albedo" in err  # its progress, and nothing else
+    assert err.count("\n") == 1
     assert "8 x 8 numbers, float64 of E" in out
     code, out, _ = call(capsys, "import", header, "--output", table)
     assert code == 0
@@ -291,3 +294,88 @@ def test_a_table_is_exported_imported_and_checked(capsys: pytest.CaptureFixture[
     ):
         code, _, err = call(capsys, *wrong)
         assert (code, err.startswith("error: "), err.count("\n")) == (2, True, 1), wrong
+
+
+AXES = "--axis r=3 --axis mu=3"
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A table of ours (t.npz), a file that says what it is (t.h), and two that do not (t.csv, t.npy)."""
+    import numpy as np
+
+    from ecfit import Table, write_table
+
+    folder = tmp_path_factory.mktemp("files")
+    table = Table.from_array(np.full((3, 3), 0.5), {"r": 3, "mu": 3}, {"model": "conductor"})
+    table.save(folder / "t.npz")
+    write_table(table, folder / "t.h")
+    write_table(table, folder / "t.npy")
+    np.savetxt(folder / "t.csv", table.values, delimiter=",")
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        # How numbers are stored, where the file or its layout says it.
+        ("import t.h --stored 1-E --scale 255 --output x.npz", "'t.h' says itself.*leave out stored, scale"),
+        ("import t.h --number uint8 --output x.npz", "leave out number"),
+        ("check t.h --spacing uniform --order mu,r", "leave out spacing, order"),
+        (f"check t.h --layout yocto {AXES} --stored E", "layout 'yocto' says itself.*leave out stored"),
+        (f"check t.csv {AXES} --piece front", "pieces are of a layout: leave out piece"),
+        (f"import t.npy {AXES} --number uint16 --output x.npz", "leave out number"),
+        ("import t.csv --axis r=0,0.5,1 --axis mu=0,0.5,1 --spacing uniform --output x.npz", "out spacing"),
+        ("import t.h --piece front --output x.npz", "it is one table: leave piece out"),
+        (f"check t.npz {AXES}", "'t.npz' says itself what it is: leave out axis"),
+        ("check conductor-10 --layout cycles --scale 255 --channel R", "leave out layout, scale, channel"),
+        # A claim without a model, where there is one already.
+        ("check t.npz --option masking=separable", "--model unknown.*leave out option"),
+        ("check conductor-10 --lobe reflection --transport energy", "leave out lobe, transport"),
+        ("check t.h --quantity directional-albedo", "leave out quantity"),
+        (f"import t.h --layout yocto {AXES} --exponent 6 --output x.npz", "leave out exponent"),
+        # What is of models, of plain axes, of C source or of EXR.
+        ("export-table t.npz --quantity schlick-a --lobe all --output x.h", "leave out quantity, lobe"),
+        ("export-table conductor-10 --transport energy --layout yocto --output x.h", "leave out transport"),
+        ("export-table conductor-10 --option masking=separable --layout yocto --output x.h", "options"),
+        ("export-table conductor --layout yocto --spacing gauss --output x.h", "leave out spacing"),
+        (f"export-table t.npz {AXES} --output x.h", "a table has its own nodes: leave out axes"),
+        (f"import t.csv {AXES} --axis r=4 --output x.npz", "'r' is given 2 times"),
+        ("export-table conductor --layout yocto --option a=1 --option a=2 --output x.h", "'a' is given 2"),
+        ("export-table t.npz --parts --output x.exr", "leave parts out"),
+        ("export-table t.npz --name a --output x.csv", "leave out name"),
+    ],
+)
+def test_nothing_that_is_said_is_silently_ignored(
+    capsys: pytest.CaptureFixture[str], files: Path, monkeypatch: pytest.MonkeyPatch, command: str, words: str
+):
+    monkeypatch.chdir(files)
+    code, out, err = call(capsys, *command.split())
+    assert (code, out) == (2, "")
+    assert err.startswith("error: ")
+    assert len(err.splitlines()) == 1
+    assert re.search(words, err), err
+    assert not list(files.glob("x.*"))
+
+
+def test_a_claim_on_a_file_without_one_needs_no_model(
+    capsys: pytest.CaptureFixture[str], files: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+):
+    from ecfit import Table
+
+    monkeypatch.chdir(files)
+    claim = ["--quantity", "schlick-b", "--scale", "2", "--output", tmp_path / "b.npz"]
+    assert call(capsys, "import", "t.csv", *AXES.split(), *claim)[0] == 0
+    made = Table.load(tmp_path / "b.npz")
+    assert (made.contract.model, made.contract.quantity) == ("unknown", "schlick-b")
+    assert made.values.max() == 0.25
+
+
+def test_a_plain_axis_is_over_the_range_of_its_model(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    from ecfit import model, read_layout
+
+    given = ["dielectric", "--quantity", "fresnel", "--axis", "ior=3", "--axis", "mu=2"]
+    assert call(capsys, "export-table", *given, "--output", tmp_path / "f.csv")[0] == 0
+    ends = model("dielectric").parameter_ranges()["ior"]
+    axis = read_layout(tmp_path / "f.csv").axes[0]
+    assert (axis.low, axis.high) == ends

@@ -9,7 +9,7 @@ import pytest
 from hostile import TEXTS, guarded, many, settled, tried
 from hypothesis import strategies as st
 
-from ecfit import cli
+from ecfit import Table, cli, write_table
 from ecfit.errors import EcfitError
 
 # Names that lead to hours of work are left out: what is asked here is refused, or small.
@@ -21,6 +21,7 @@ WORDS = [
     "mu=0", "mu=1",
     "mu=1e9", "mu=99999999999999999999", "F0=2", "masking=separable", "masking=x", "F0=0.5", "out.npz",
     "out.json",
+    "-1", "cycles", "three", "t.h", "glsl", "out.h", "conductor-10", "starter", "out.toml",
 ]  # fmt: skip
 OPTIONS = [
     "--axis", "--option", "--plugin", "--output", "--results", "--degree", "--form", "--stored", "--scale",
@@ -30,8 +31,11 @@ OPTIONS = [
     "--numerator", "--denominator", "--guarded", "--no-guarded", "--model", "--entries", "--refits",
     "--samples", "--",
     "-", "--version", "-x", "--axis=mu=2", "--degree=1", "--tolerance=0.9", "--samples=1",
+    "--layout", "--piece", "--number", "--parts", "--name", "--layout=cycles", "--lang=glsl", "--like",
+    "--coordinates", "--least", "--derivative", "--clamp", "--points", "--tool",
 ]  # fmt: skip
-# `run` and `ship` of a good study, and a certificate, are minutes; these have their own tests.
+# `run` and `ship` of a good study, and a certificate, are minutes, and compilers are processes: these have
+# their own tests.
 COMMANDS = [
     "table",
     "import",
@@ -44,13 +48,19 @@ COMMANDS = [
     "ship",
     "certify",
     "furnace",
+    "check",
+    "export-table",
+    "export",
+    "compare",
+    "init",
+    "check-export --tool none",
     "x",
 ]
 
 arguments = st.tuples(
     st.sampled_from(COMMANDS),
     st.lists(st.one_of(st.sampled_from(WORDS), st.sampled_from(OPTIONS), st.text(max_size=8)), max_size=9),
-).map(lambda found: [found[0], *found[1]])
+).map(lambda found: [*found[0].split(), *found[1]])
 
 
 def folder_of_files(folder: Path) -> Path:
@@ -59,6 +69,8 @@ def folder_of_files(folder: Path) -> Path:
     (folder / "bad.toml").write_text('name = "x"\n[[tables]]\nname = "../x"\n')
     (folder / "study.toml").write_text("name = \n")
     (folder / "fit.json").write_text("{}")
+    # What a file says of itself is right; its numbers are of no model.
+    write_table(Table.from_array([[0.9, 0.8], [0.7, 0.6]], {"r": 2, "mu": 2}, {}), folder / "t.h")
     return folder
 
 

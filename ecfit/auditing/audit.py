@@ -50,6 +50,8 @@ def audit(
     """
     if isinstance(samples, bool) or not isinstance(samples, int) or samples < 8:
         raise EcfitError(f"samples must be 8 or more, got {samples!r}")
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise EcfitError(f"seed must be 0 or more, got {seed!r}")
     found = subject_of(subject, contract, tolerance)
     claimed = found.reading
     entries = choose(claimed, samples, seed)

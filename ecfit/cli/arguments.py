@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from ecfit.errors import EcfitError
+from ecfit.errors import EcfitError, refuse_ignored
 
 Plugins = Annotated[
     tuple[str, ...],
@@ -29,7 +29,7 @@ Spacing = Literal["uniform", "gauss", "chebyshev", "texel-centre", "clamped"]
 def options_of(pairs: tuple[str, ...]) -> dict[str, Any]:
     """name=value pairs; a value that reads as a number is one."""
     out: dict[str, Any] = {}
-    for pair in pairs:
+    for pair in _once(pairs):
         name, equals, value = pair.partition("=")
         if not equals or not name or not value:
             raise EcfitError(f"expected name=value, got '{pair}'")
@@ -47,7 +47,7 @@ def axes_of(texts: tuple[str, ...], model: Any, quantity: Any, spacing: str) -> 
 
     axes: dict[str, Any] = {}
     total = 1
-    for text in texts:
+    for text in _once(texts):
         name, low, high, count = _axis(text)
         low, high = default_range(model, quantity, name, (low, high))
         axes[name] = ecfit.Axis.spaced(name, count, low, high, spacing)
@@ -55,31 +55,56 @@ def axes_of(texts: tuple[str, ...], model: Any, quantity: Any, spacing: str) -> 
     return axes, total
 
 
-def given_axes(texts: tuple[str, ...], spacing: str) -> dict[str, Any]:
+def given_axes(texts: tuple[str, ...], spacing: str | None) -> dict[str, Any]:
     """Axes of `ecfit import` by name."""
     import ecfit
     from ecfit.tables.given import full_range
 
+    if all("," in text for text in texts):
+        refuse_ignored("nodes that are listed have no spacing", {"spacing": spacing})
     axes: dict[str, Any] = {}
-    for text in texts:
+    for text in _once(texts):
         name, _, value = text.partition("=")
         if "," in value:
             axes[name] = ecfit.Axis.given(name, value.split(","))
         else:
             name, low, high, count = _axis(text)
-            axes[name] = ecfit.Axis.spaced(name, count, *full_range(name, low, high), spacing)
+            axes[name] = ecfit.Axis.spaced(name, count, *full_range(name, low, high), spacing or "uniform")
+    return axes
+
+
+def plain_axes(texts: tuple[str, ...], spacing: str | None) -> dict[str, Any]:
+    """Axes of `ecfit export-table` by name: counts, whose range is that of the model, or whole axes."""
+    import ecfit
+
+    axes: dict[str, Any] = {}
+    for text in _once(texts):
+        name, low, high, count = _axis(text)
+        if low is None or high is None:
+            axes[name] = count
+        else:
+            axes[name] = ecfit.Axis.spaced(name, count, low, high, spacing or "uniform")
     return axes
 
 
 def counts_of(texts: tuple[str, ...]) -> dict[str, int]:
     """Counts of `--axis name=count` by name."""
     out = {}
-    for text in texts:
+    for text in _once(texts):
         name, low, high, count = _axis(text)
         if low is not None or high is not None:
             raise EcfitError(f"a layout has its own ranges: give --axis {name}={count}")
         out[name] = count
     return out
+
+
+def _once(pairs: tuple[str, ...]) -> tuple[str, ...]:
+    """The same `name=...`. Raises `EcfitError` for a name that is there twice: one would be ignored."""
+    names = [pair.partition("=")[0] for pair in pairs]
+    for name in names:
+        if names.count(name) > 1:
+            raise EcfitError(f"'{name}' is given {names.count(name)} times: leave out all but one")
+    return pairs
 
 
 def _axis(text: str) -> tuple[str, float | None, float | None, int]:

@@ -59,7 +59,8 @@ def check_export(
 ) -> None:
     """Compile and run exported code with the compilers and devices of this machine, and compare with NumPy.
 
-    Exit code 1 where a value is not finite, or farther from the exact one than twice NumPy's float32.
+    Exit code 1 where a value is not finite, or farther from the exact one than twice NumPy's float32, and
+    where a tool that --tool asks for is not there.
 
     Parameters
     ----------
@@ -72,10 +73,10 @@ def check_export(
     from ecfit.shaders import TOOLS, check_all
     from ecfit.shaders import tool as named
 
-    found = [find(fit) for fit in fits or shipped()]
-    tools = [named(t) for t in tool] or list(TOOLS.values())
+    found = [find(fit) for fit in dict.fromkeys(fits or shipped())]
+    tools = [named(t) for t in dict.fromkeys(tool)] or list(TOOLS.values())
     failed = False
-    for report in check_all(found, tools, points):
+    for report in check_all(found, tools, points, asked=bool(tool)):
         print(report.describe(), flush=True)
         failed |= not report.passes
     if failed:

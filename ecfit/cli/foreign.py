@@ -6,6 +6,7 @@ from typing import Any, Literal
 from ecfit.cli.arguments import GivenAxes, Options, Plugins, Spacing
 from ecfit.cli.claims import Foreign, claim_of, read_foreign
 from ecfit.cli.terminal import say
+from ecfit.errors import refuse_ignored
 
 
 def import_(
@@ -16,17 +17,17 @@ def import_(
     layout: str | None = None,
     piece: str | None = None,
     number: str | None = None,
-    spacing: Spacing = "uniform",
-    stored: Literal["E", "1-E"] = "E",
-    scale: float = 1.0,
+    spacing: Spacing | None = None,
+    stored: Literal["E", "1-E"] | None = None,
+    scale: float | None = None,
     order: str | None = None,
     channel: str | None = None,
     model: str | None = None,
     option: Options = (),
     plugin: Plugins = (),
-    quantity: str = "directional-albedo",
-    lobe: str = "all",
-    transport: str = "energy",
+    quantity: str | None = None,
+    lobe: str | None = None,
+    transport: str | None = None,
     exponent: int | None = None,
 ) -> None:
     """Read somebody's own table (CSV, NPY, EXR, C, raw) and save it as ours (NPZ), to be fitted like ours.
@@ -44,11 +45,11 @@ def import_(
     number
         Type of the numbers of a raw file: float64, float32, float16, uint16, uint8.
     spacing
-        Of the nodes of all axes: uniform has nodes at both ends, texel-centre at (i + 0.5) / N.
+        Of the nodes of all axes: uniform, the default, has nodes at both ends, texel-centre at (i + 0.5) / N.
     stored
-        What the file holds.
+        What the file holds; E by default.
     scale
-        The stored number that stands for 1: 65535 for 16-bit tables.
+        The stored number that stands for 1: 65535 for 16-bit tables; 1 by default.
     order
         Axes as the file stores them, separated by commas, the one that varies fastest last; -mu: from its
         last node to its first (--order=-mu,r). By default the order of --axis.
@@ -57,19 +58,19 @@ def import_(
     model
         The registered model that the table is claimed to be of, or unknown.
     quantity
-        What the table holds; `ecfit list` shows the names.
+        What the table holds, directional-albedo by default; `ecfit list` shows the names.
     lobe
-        all, reflection or transmission.
+        all, reflection or transmission; all by default.
     transport
-        energy or radiance.
+        energy or radiance; energy by default.
     exponent
         Of schlick-a and schlick-b; 5 by default.
     """
     from ecfit.study.plugins import load_plugins
 
     load_plugins(plugin, Path())
-    contract = claim_of(model, option, quantity, lobe, transport, exponent)
     how = Foreign(axis, layout, piece, number, spacing, stored, scale, order, channel)
+    contract = claim_of(model, option, quantity, lobe, transport, exponent, own=how.says_itself)
     done = read_foreign(file, how, contract)
     done.save(output)
     print("\n".join([*done.describe(), f"written: {output}"]))
@@ -82,17 +83,17 @@ def check(
     layout: str | None = None,
     piece: str | None = None,
     number: str | None = None,
-    spacing: Spacing = "uniform",
-    stored: Literal["E", "1-E"] = "E",
-    scale: float = 1.0,
+    spacing: Spacing | None = None,
+    stored: Literal["E", "1-E"] | None = None,
+    scale: float | None = None,
     order: str | None = None,
     channel: str | None = None,
     model: str | None = None,
     option: Options = (),
     plugin: Plugins = (),
-    quantity: str = "directional-albedo",
-    lobe: str = "all",
-    transport: str = "energy",
+    quantity: str | None = None,
+    lobe: str | None = None,
+    transport: str | None = None,
     exponent: int | None = None,
     samples: int = 256,
     seed: int = 1,
@@ -114,11 +115,11 @@ def check(
     number
         Type of the numbers of a raw file.
     spacing
-        Of the nodes of --axis.
+        Of the nodes of --axis, uniform by default.
     stored
-        What the file holds.
+        What the file holds; E by default.
     scale
-        The stored number that stands for 1.
+        The stored number that stands for 1; 1 by default.
     order
         Axes as the file stores them, the one that varies fastest last.
     channel
@@ -127,11 +128,11 @@ def check(
         What the subject is claimed to be, in the place of its own contract, with --option, --quantity, --lobe
         and --transport.
     quantity
-        What it is claimed to hold.
+        What it is claimed to hold, directional-albedo by default.
     lobe
-        all, reflection or transmission.
+        all, reflection or transmission; all by default.
     transport
-        energy or radiance.
+        energy or radiance; energy by default.
     exponent
         Of schlick-a and schlick-b; 5 by default.
     samples
@@ -146,12 +147,15 @@ def check(
     from ecfit.tables.foreign import FORMATS
 
     load_plugins(plugin, Path())
-    contract = claim_of(model, option, quantity, lobe, transport, exponent)
+    how = Foreign(axis, layout, piece, number, spacing, stored, scale, order, channel)
     what: Any = subject
     path = Path(subject)
-    if path.suffix.lower() in FORMATS:
-        how = Foreign(axis, layout, piece, number, spacing, stored, scale, order, channel)
+    foreign = path.suffix.lower() in FORMATS
+    contract = claim_of(model, option, quantity, lobe, transport, exponent, not foreign or how.says_itself)
+    if foreign:
         what = read_foreign(path, how, contract, finite=False)
+    else:
+        refuse_ignored(f"'{subject}' says itself what it is", how._asdict())
     done = audit(
         what,
         contract=contract,

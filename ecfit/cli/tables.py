@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from ecfit.cli.arguments import Axes, Options, Plugins, Spacing, axes_of, counts_of, given_axes, options_of
+from ecfit.cli.arguments import Axes, Options, Plugins, Spacing, axes_of, counts_of, options_of, plain_axes
 from ecfit.cli.terminal import bars, say
 
 
@@ -76,15 +76,15 @@ def export_table(
     axis: Axes = (),
     option: Options = (),
     plugin: Plugins = (),
-    quantity: str = "directional-albedo",
-    lobe: str = "all",
-    transport: str = "energy",
-    tolerance: float = 1e-7,
+    quantity: str | None = None,
+    lobe: str | None = None,
+    transport: str | None = None,
+    tolerance: float | None = None,
     number: str | None = None,
     stored: Literal["E", "1-E"] | None = None,
     order: str | None = None,
-    spacing: Spacing = "uniform",
-    name: str = "ecfit_table",
+    spacing: Spacing | None = None,
+    name: str | None = None,
     parts: bool = False,
 ) -> None:
     """Write a table as a renderer stores it: EXR, NPY, CSV, C source (.h) or raw numbers (.bin).
@@ -99,13 +99,13 @@ def export_table(
     layout
         How the consumer stores it; `ecfit list` shows the layouts. plain has the axes given here.
     quantity
-        What a model is integrated to, where the layout leaves it open.
+        What a model is integrated to where the layout leaves it open, directional-albedo by default.
     lobe
-        all, reflection or transmission.
+        all, reflection or transmission; all by default.
     transport
-        energy or radiance.
+        energy or radiance; energy by default.
     tolerance
-        Absolute error to reach in every entry.
+        Absolute error of a model's integrals to reach in every entry, 1e-7 by default.
     number
         float64, float32, float16, uint16 or uint8, in the place of the layout's.
     stored
@@ -113,9 +113,9 @@ def export_table(
     order
         Of plain: axes as they are to be stored, the one that varies fastest last; -mu: from last to first.
     spacing
-        Of the nodes of plain axes.
+        Of the nodes of plain axes, uniform by default.
     name
-        Of the array in C source.
+        Of the array in C source, ecfit_table by default.
     parts
         In EXR, put slices of 3D tables into parts instead of below each other.
     """
@@ -126,12 +126,14 @@ def export_table(
     done = bake(
         source,
         layout,
-        axes=given_axes(axis, spacing) if layout == "plain" else counts_of(axis),
+        axes=plain_axes(axis, spacing) if layout == "plain" else counts_of(axis),
+        spacing=spacing,
         options=options_of(option),
         transport=transport,
         lobe=lobe,
         quantity=quantity,
         tolerance=tolerance,
+        progress=bars(),
     )
     names = None if order is None else [part.strip() for part in order.split(",")]
     written = done.save(output, number=number, stored=stored, order=names, name=name, parts=parts)

@@ -20,6 +20,8 @@ SPACINGS = {
 }
 # Spacings whose first and last node lie inside the range.
 _OPEN = ("gauss", "texel-centre")
+# Far more than any grid has along one axis, and within any memory.
+_MOST_NODES = 2**24
 
 
 def _unit_nodes(spacing: str, count: int) -> np.ndarray:
@@ -95,7 +97,8 @@ class Axis:
     ) -> "Axis":
         """`count` nodes of a named spacing on [low, high], spaced in t where coordinate = map(t).
 
-        Raises `EcfitError` for an unknown spacing or map, fewer than 2 nodes, or an empty range.
+        Raises `EcfitError` for an unknown spacing or map, fewer than 2 nodes or more than 2^24, or an empty
+        range.
         """
         if not isinstance(count, numbers.Integral) or isinstance(count, bool) or count < 2:
             raise EcfitError(f"axis '{name}': count must be an integer >= 2, got {count!r}")
@@ -107,6 +110,8 @@ class Axis:
             raise EcfitError(f"axis '{name}': needs a finite range with low < high, got [{low}, {high}]")
         if not isinstance(through, str) or through not in MAPS:
             raise unknown("map", through, MAPS)
+        if count > _MOST_NODES:
+            raise EcfitError(f"axis '{name}': count must be {_MOST_NODES} or less, got {count}")
         count = int(count)
         if spacing == "given":
             raise EcfitError(f"axis '{name}': spacing 'given' needs its nodes, not a count")

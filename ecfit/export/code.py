@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ecfit.approximation import Approximation, Lookup, Quotient, Written
-from ecfit.errors import EcfitError, unknown
 from ecfit.export.compensation import LEAST, factors
 from ecfit.export.contract import contract_lines
 from ecfit.export.coordinates import Arguments, arguments
@@ -13,8 +12,8 @@ from ecfit.export.functions import Function
 from ecfit.export.languages import Language, check_name, language
 from ecfit.export.lookups import TableFunction, table_function
 from ecfit.export.nest import nested_sums
+from ecfit.export.slopes import slope
 from ecfit.expressions import Node, cost
-from ecfit.expressions import derivative as derivative_of
 from ecfit.expressions.fold import folded
 
 # Formulas whose expressions are sums as printed by their authors.
@@ -91,9 +90,10 @@ def parts(
     if options.factor:
         functions += factors(approximation, label, taken, options.least)
     if options.derivative:
-        functions.append(slope(functions[0], options.derivative))
-    for other in functions[1:]:
-        check_name(other.name, target)
+        functions.append(slope(functions[0], taken, options.derivative))
+    every = {name for f in functions for name in f.arguments}
+    for f in functions:
+        check_name(f.name, target, every)
     first, known = functions[0], options.evidence
     evidence = list(known) if known is not None else evidence_for(approximation)
     price = cost(first.value) if isinstance(first, Function) else None
@@ -126,18 +126,6 @@ def value_function(approximation: Approximation, name: str, taken: Arguments) ->
     meanings = {_tidied(node, approximation, taken): key for key, node in known.items()}
     note = f"{approximation.contract.quantity} of {approximation.contract.model}"
     return Function(name, taken.names, expression(approximation, taken), note, meanings=meanings)
-
-
-def slope(function: Function | TableFunction, argument: str) -> Function:
-    """The derivative of a function by one of its arguments. Raises `EcfitError` for others and for tables."""
-    if isinstance(function, TableFunction):
-        raise EcfitError("a table has no derivative to export: take differences of its values")
-    if argument not in function.arguments:
-        raise unknown("argument for a derivative", argument, function.arguments)
-    value = folded(derivative_of(function.value, argument))
-    note = f"d {function.name} / d {argument}"
-    name = f"{function.name}_d{argument}"
-    return Function(name, function.arguments, value, note, meanings=function.meanings)
 
 
 def text(

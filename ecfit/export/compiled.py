@@ -1,7 +1,6 @@
 """Exported C and C++, compiled by the system's compiler and called from Python: does it do what it says?"""
 
 import ctypes
-import shutil
 import subprocess
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -10,15 +9,9 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from ecfit.errors import EcfitError
+from ecfit.export.compilers import CC, CXX, LIBRARY
 
-# Everything that a renderer's build might turn on; contraction off, so that each operation rounds as written.
-FLAGS = ("-Wall", "-Wextra", "-Wconversion", "-Wpedantic", "-Wshadow", "-Werror", "-O2", "-ffp-contract=off")
-STANDARDS = {"c99": "cc", "c11": "cc", "c++17": "c++"}
-
-
-def compiler(standard: str) -> str | None:
-    """The path of the system's compiler for a language standard; None where there is none."""
-    return shutil.which(STANDARDS[standard])
+STANDARDS = {"c99": CC, "c11": CC, "c++17": CXX}
 
 
 def compiled(
@@ -33,18 +26,19 @@ def compiled(
 
     Raises `EcfitError` where there is no compiler, and with its first words where it has a warning.
     """
-    found = compiler(standard)
-    if found is None:
-        raise EcfitError(f"no {STANDARDS[standard]} here: install a C compiler")
+    compiler = STANDARDS[standard]
+    start = compiler.command()
+    if start is None:
+        raise EcfitError(str(compiler.missing()))
     suffix = "cpp" if standard.startswith("c++") else "c"
     loops = [_loop(name, count, suffix) for name, count in names]
     with TemporaryDirectory() as folder:
         path, library = Path(folder) / f"exported.{suffix}", Path(folder) / "exported.so"
         path.write_text("\n".join([*sources, *loops]), encoding="utf-8")
-        command = [found, f"-std={standard}", *FLAGS, "-shared", "-fPIC", "-o", library, path, "-lm"]
+        command = [*start, f"-std={standard}", *LIBRARY, "-o", library, path, "-lm"]
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode:
-            raise EcfitError(f"{found} refuses the exported code: {done.stderr.strip()[:2000]}")
+            raise EcfitError(f"{compiler.name} refuses the exported code: {done.stderr.strip()[:2000]}")
         loaded = ctypes.CDLL(str(library))
     return [_called(getattr(loaded, f"{name}_loop"), count) for name, count in names]
 

@@ -50,15 +50,20 @@ def arguments(approximation: Approximation, wanted: Sequence[str], clamped: bool
         wanted: coordinates in which it shall be given, such as ("r", "ior"); others stay as they are.
         clamped: whether the function clamps them to the domain.
 
-    Raises `EcfitError` for a coordinate that is no view of any variable.
+    Raises `EcfitError` for a coordinate that is no view of any variable, and for two views of one.
     """
     put: dict[Node, Node] = {}
     found: dict[str, tuple[float, float]] = {}
-    left = list(wanted)
+    left = list(dict.fromkeys(wanted))
     for variable, (low, high) in zip(approximation.variables, approximation.domain, strict=True):
         name = next((w for w in left if viewed(variable, w, 0.5) is not None), variable)
         if name in left:
             left.remove(name)
+            also = next((w for w in left if viewed(variable, w, 0.5) is not None), None)
+            if also is not None:
+                raise EcfitError(
+                    f"'{name}' and '{also}' are two views of one coordinate: ask for one of them"
+                )
         found[name] = _viewed(name, variable, low), _viewed(name, variable, high)
         if name != variable:
             put[var(variable)] = _view(variable, name)

@@ -44,7 +44,8 @@ class Function:
         for local, (function, given) in self.calls.items():
             call = f"{function}({', '.join(given)}{', xp=xp' * (target.name == 'python')})"
             lines.append(target.declare.format(name=local, value=call, type=target.real))
-        taken = {self.name, *self.arguments, *self.calls, "xp", "numpy"}
+        called = (function for function, _ in self.calls.values())
+        taken = {self.name, *self.arguments, *self.calls, *called}
         body, value = statements(self.value, target, self.meanings, taken)
         lines += [*body, *wrapped(f"return {{value}}{target.stop}", value, target)]
         end = [target.end] if target.end else []

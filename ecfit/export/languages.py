@@ -1,6 +1,5 @@
 """The languages, as data: how each writes types, declarations, functions and a few operations."""
 
-import keyword
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -86,7 +85,7 @@ class Language:
     @property
     def keywords(self) -> frozenset[str]:
         """Names that mean something else in the language."""
-        return frozenset(keyword.kwlist) if self.name == "python" else RESERVED[self.name]
+        return RESERVED[self.name]
 
 
 _ARRAY = "static const float {name}[{size}] = {{"
@@ -135,11 +134,11 @@ def language(name: str, also: Iterable[str] = ()) -> Language:
     return LANGUAGES[name]
 
 
-def check_name(name: str, target: Language) -> str:
-    """A name that a function may have in the language.
+def check_name(name: str, target: Language, arguments: Iterable[str] = ()) -> str:
+    """A name that a function may have in the language, in a file where functions take `arguments`.
 
-    Raises `EcfitError` for what is no identifier in ASCII, is reserved there, or has two underscores in a row
-    (which GLSL, C and C++ keep for themselves).
+    Raises `EcfitError` for what is no identifier in ASCII, is reserved there, has two underscores in a row
+    (which GLSL, C and C++ keep for themselves), or is the name of an argument, which would hide the function.
     """
     if not (name.isascii() and name.isidentifier()):
         raise EcfitError(
@@ -149,4 +148,6 @@ def check_name(name: str, target: Language) -> str:
         raise EcfitError(f"'{name}' is reserved in {target.title}: choose another name")
     if "__" in name or name.startswith("_"):
         raise EcfitError(f"'{name}': {target.title} reserves such underscores: choose another name")
+    if name in set(arguments):
+        raise EcfitError(f"'{name}' is the name of an argument: choose another name")
     return name

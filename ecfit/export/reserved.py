@@ -1,5 +1,7 @@
 """Names that mean something else in a language: keywords, types and functions that ours could hide."""
 
+import keyword
+
 _C = """
 auto break case char const continue default do double else enum extern float for goto if inline int long
 register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
@@ -82,4 +84,6 @@ RESERVED: dict[str, frozenset[str]] = {
     "osl": _words(_OSL, _MATH, "main"),
     "c": _words(_C, _MATH, _LIBRARY, "bool true false inline alignas static_assert nullptr typeof"),
     "cpp": _words(_C, _CPP, _MATH, _LIBRARY),
+    # The module, and the argument that stands for it.
+    "python": frozenset({*keyword.kwlist, "numpy", "xp"}),
 }

@@ -21,12 +21,12 @@ from ecfit.config.furnace import NEEDS, FurnaceConfig, MaterialConfig, RowConfig
 from ecfit.errors import EcfitError
 from ecfit.files import write_text
 from ecfit.microfacet import DielectricFresnel
+from ecfit.progress import Progress
 from ecfit.quantities import directional_albedo
 from ecfit.rendering.albedo import arguments
 from ecfit.rendering.pictures import by_size, percent
 from ecfit.rendering.plan import TABLES, Albedos, starred
 from ecfit.rendering.verdict import LEAST_MU
-from ecfit.study.runner import Progress
 
 COLUMNS = ("material", "ior", "side", "r", "row", "approximation", "mean", "worst", "worst_mu", "energy")
 

@@ -11,9 +11,10 @@ from ecfit.config.furnace import NEEDS, FurnaceConfig, MaterialConfig, RowConfig
 from ecfit.contract import Contract
 from ecfit.coordinates import Axis, resolve, viewed
 from ecfit.errors import EcfitError
+from ecfit.progress import Progress
 from ecfit.rendering.albedo import albedo_code
 from ecfit.rendering.sphere import Sphere, joined
-from ecfit.study.runner import Progress, stored_table
+from ecfit.study.runner import stored_table
 from ecfit.tables import Request, claim
 
 # Absolute errors of small tables: far below those of interpolation between 32 nodes.

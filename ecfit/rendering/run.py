@@ -16,13 +16,13 @@ import numpy as np
 from ecfit.config.furnace import FurnaceConfig, read_furnace
 from ecfit.errors import EcfitError
 from ecfit.files import make_folder, write_text
+from ecfit.progress import Progress
 from ecfit.rendering.page import page
 from ecfit.rendering.pictures import by_size, colour_picture, furnace_picture, percent
 from ecfit.rendering.plan import Albedos, spheres
 from ecfit.rendering.sphere import Sphere
 from ecfit.rendering.variant import Variant, choose
 from ecfit.rendering.verdict import Verdict, verdict
-from ecfit.study.runner import Progress
 
 COLUMNS = (
     "material", "ior", "r", "row", "approximation", "mean", "worst", "worst_mu", "energy", "noise",

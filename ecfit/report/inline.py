@@ -1,8 +1,12 @@
 """Matplotlib's SVG made part of a page: smaller, in the page's colours and font, its ids unique."""
 
+import base64
 import html
+import io
 import re
 from collections.abc import Sequence
+
+from PIL import Image
 
 from ecfit.report.style import COLOURS, INK
 
@@ -15,6 +19,8 @@ _THEME = {
 }
 # Of a figure that fills the page, in points (9.6 inches).
 _FULL_WIDTH = 691.2
+# Colours of an image within a figure: steps that are not seen, and a third of the weight.
+_SHADES = 64
 
 
 def inline(svg: bytes, prefix: str, label: str) -> str:
@@ -28,6 +34,7 @@ def inline(svg: bytes, prefix: str, label: str) -> str:
     text = re.sub(r"(\d\.\d\d)\d+", r"\1", text)
     text = re.sub(r"font-family: [^;\"]+;? ?", "", text)
     text = re.sub(r"(font: \d[^ ]*) [^;\"]+", r"\1 sans-serif", text)
+    text = re.sub(r'(data:image/png;base64,)([^"]+)', lambda m: m[1] + _indexed(m[2]), text)
     text = re.sub(r">\s+<", "><", text)
     text = re.sub(r"\s*\n\s*", " ", text)
     for colour, themed in _THEME.items():
@@ -42,6 +49,16 @@ def inline(svg: bytes, prefix: str, label: str) -> str:
     share = min(100.0, 100.0 * float(width[1]) / _FULL_WIDTH) if width else 100.0
     said = f'<svg role="img" aria-label="{html.escape(label)}" style="max-width: {share:.0f}%"'
     return text.replace("<svg", said, 1)
+
+
+def _indexed(encoded: str) -> str:
+    """A PNG with a palette of `_SHADES`; as it is where it has holes, for a table's missing entries."""
+    image = Image.open(io.BytesIO(base64.b64decode(encoded)))
+    if image.mode != "RGBA" or image.getchannel("A").getextrema() != (255, 255):
+        return encoded
+    buffer = io.BytesIO()
+    image.convert("RGB").quantize(_SHADES, dither=Image.Dither.NONE).save(buffer, "png", optimize=True)
+    return base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
 def shared(svgs: Sequence[str]) -> tuple[list[str], str]:

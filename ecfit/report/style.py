@@ -15,10 +15,10 @@ COLOURS = {
     "polynomial": "#0072B2",
     "rational": "#D55E00",
     "published": "#111111",
-    "shipped": "#56B4E9",
     "table": "#CC79A7",
     "other": "#009E73",
 }
+COLOURS["shipped"] = COLOURS["other"]  # they are of the same forms; the marker tells
 MARKERS = {"polynomial": "o", "rational": "s", "published": "*", "shipped": "P", "table": "^"}
 # Text and lines: near black, and one word for a page to replace where it is dark.
 INK = "#111111"

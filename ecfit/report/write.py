@@ -25,8 +25,9 @@ from ecfit.report.style import rendered
 from ecfit.report.verdict import Proved, Prover, choices, percentage, prover, sentences
 from ecfit.tables import Table
 
-# Characters of code that a page has of one approximation at most: its big ones are exported from the shell.
-_CODE_ROOM = 60_000
+# Characters of code, in all languages, that a page has of one approximation at most (some 75 numbers): bigger
+# ones are exported from the shell. Reports of whole studies stay below 1 MB.
+_CODE_ROOM = 20_000
 
 
 class StudyLike(Protocol):

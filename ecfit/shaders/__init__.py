@@ -4,7 +4,7 @@ The tools are optional: `missing` of each says what to install. The drivers of
 devices import nothing of ecfit, so that this package may import JAX.
 """
 
-from ecfit.shaders.check import case as case
+from ecfit.shaders.cases import case as case
 from ecfit.shaders.check import check as check
 from ecfit.shaders.check import check_all as check_all
 from ecfit.shaders.devices import NoDevice as NoDevice

@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ecfit.errors import EcfitError, unknown
-from ecfit.shaders.compilers import CC, CXX, GLSLANG, SLANGC, SPIRV_VAL, TINT, Step
+from ecfit.export.compilers import CC, CXX, LIBRARY
+from ecfit.shaders.compilers import GLSLANG, SLANGC, SPIRV_VAL, TINT, Step
 from ecfit.shaders.devices import CYCLES, GL_COMPUTE, GL_FRAGMENT, PROCESSOR, WEBGPU, Device
 from ecfit.shaders.program import Function, program
 
@@ -76,11 +77,7 @@ class Tool:
         return Result(None, "") if self.device is None else Result(*self.device.run(made, given))
 
 
-# No contraction of a * b + c, which would be more exact than the languages promise. Warnings are errors.
-_STRICT = (
-    "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Werror", "-O1", "-ffp-contract=off",
-    "-shared", "-fPIC", "{source}", "-o", "{target}",
-)  # fmt: skip
+_STRICT = (*LIBRARY, "{source}", "-o", "{target}")
 _C = Step(CC, ("-std=c11", *_STRICT, "-lm"), "program.c", "program.so")
 _CPP = Step(CXX, ("-std=c++11", *_STRICT), "program.cpp", "program.so")
 # Metal is C++14 with a standard library of its own; attributes ([[buffer(0)]]) mean nothing here.

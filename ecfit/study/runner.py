@@ -5,8 +5,7 @@ import hashlib
 import io
 import os
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ from ecfit.files import clear_parts, make_folder, read_text, write_json, write_t
 from ecfit.fitting import Fit
 from ecfit.fitting.selection import Choice, front
 from ecfit.metrics import Errors, measure
+from ecfit.progress import Progress
 from ecfit.quadrature import FINE, STATUS
 from ecfit.study.fits import compute_fits, load_fits, missing_fits
 from ecfit.study.plan import Plan, make_plan
@@ -124,15 +124,6 @@ class Study:
                     out.append(f"table {name}: {count} of {table.values.size} entries: {STATUS[status]}")
             out += [f"table {name}: {remark}" for remark in table.remarks()]
         return out
-
-
-class Progress:
-    """What a run tells while it works; this one says nothing. The command line shows bars."""
-
-    @contextmanager
-    def stage(self, title: str, total: int) -> Iterator[Callable[[int], None]]:
-        """A stage of `total` steps; the yielded function advances it."""
-        yield lambda steps: None
 
 
 def run(

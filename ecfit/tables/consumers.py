@@ -121,7 +121,9 @@ class Layout:
         for piece in self.pieces:
             if piece.name == name:
                 return piece
-        names = ", ".join(p.name for p in self.pieces if p.name) or "(it has only one)"
+        if len(self.pieces) == 1:
+            raise EcfitError(f"layout '{self.name}' has no piece '{name}', it is one table: leave piece out")
+        names = ", ".join(p.name for p in self.pieces)
         raise EcfitError(f"layout '{self.name}': which piece? Expected one of {names}")
 
     def channel(self, name: str | None) -> int:

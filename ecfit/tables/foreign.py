@@ -38,6 +38,7 @@ def read_table(
     scale: float = 1.0,
     number: str | None = None,
     part: tuple[int, int] = (0, 1),
+    errors: Any = None,
     finite: bool = True,
 ) -> Table:
     """A table from somebody's NPY, CSV, EXR, C source or raw file. Nothing in the file is executed.
@@ -56,6 +57,7 @@ def read_table(
         number: type of the numbers of a raw file ("uint16", "float16", ...), little-endian; decimals of text
             are rounded to it; in C source "float16" means that whole numbers are the bits of halves.
         part: which of how many tables of these axes that follow each other in the file.
+        errors: absolute error of each E, or one for all, where they are known.
         finite: whether NaN and infinity are refused.
 
     Raises `EcfitError` for files that are missing, damaged, or not of the shape of the axes.
@@ -82,7 +84,7 @@ def read_table(
     by_name = {axis.name: axis for axis in made}
     try:
         return Table.from_array(
-            values, by_name, contract, stored=stored, scale=scale, source=path.name, finite=finite
+            values, by_name, contract, errors, stored=stored, scale=scale, source=path.name, finite=finite
         )
     except EcfitError as error:
         raise EcfitError(f"'{path}': {error}") from None

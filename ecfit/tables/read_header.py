@@ -11,6 +11,8 @@ from ecfit.tables.interleaved import CHANNELS, picked
 
 # Larger than any table of albedos that anybody compiles: Cycles keeps all of its in 1.5 MB.
 _MOST_BYTES = 64 << 20
+# Of a half: 16 bits.
+_MOST_BITS = 65535
 _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 _ARRAY = re.compile(r"([A-Za-z_]\w*)\s*((?:\[[^\]\n]*\]\s*)+)=\s*(?=\{)")
 _LIST = re.compile(r"(?:new\s+\w+\s*\(\s*)?\[\s*(?=[-+.\d])")
@@ -51,6 +53,10 @@ def read_header(path: Path, count: int, channel: str | None, kind: str | None) -
         raise EcfitError(f"'{path}' has several arrays: name one as the channel: {', '.join(arrays)}")
     flat = _numbers(path, _body(path, text, start))
     if kind == "float16" and flat.size and np.all(flat == np.rint(flat)) and flat.min() >= 0:
+        if flat.max() > _MOST_BITS:
+            raise EcfitError(
+                f"'{path}' has {flat.max():.6g} among the bits of halves: they end at {_MOST_BITS}"
+            )
         flat = flat.astype(np.uint16).view(np.float16).astype(np.float64)
     return picked(flat, count, within or None, f"'{path}'")
 

@@ -104,16 +104,22 @@ def _from_said(
         channels, pieces = [str(c) for c in said["channels"]], list(said["pieces"])
         names = [str(p["name"]) for p in pieces]
         if channel is not None and channel not in channels:
+            if channels == [""]:
+                raise EcfitError(f"'{path}' has no channel '{channel}', it has one: leave channel out")
             raise unknown("channel", channel, channels)
-        if (piece is None and len(names) > 1) or (piece is not None and piece not in names):
+        if len(names) == 1 and piece not in (None, names[0]):
+            raise EcfitError(f"'{path}' has no piece '{piece}', it is one table: leave piece out")
+        if len(names) > 1 and piece not in names:
             raise EcfitError(f"'{path}': which piece? Expected one of {', '.join(names)}")
         which = 0 if channel is None else channels.index(channel)
         part = 0 if piece is None else names.index(piece)
         order = [str(n) for n in pieces[part]["order"]]
         number, stored = str(said["number"]), str(said["stored"])
-        claimed = contract or Contract.from_dict(said["contracts"][part * len(channels) + which])
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
-        raise EcfitError(f"'{path}': what it says of itself is damaged ({error})") from None
+        slot = part * len(channels) + which
+        claimed = contract or Contract.from_dict(said["contracts"][slot])
+        error = said["errors"][slot] if "errors" in said else None
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as fault:
+        raise EcfitError(f"'{path}': what it says of itself is damaged ({fault})") from None
     in_file = None if len(channels) == 1 else str(which)
     if path.suffix.lower() == ".exr":
         in_file = channels[which] or None
@@ -128,5 +134,6 @@ def _from_said(
         scale=number_of(number).one,
         number=number,
         part=(part, len(names)),
+        errors=error,
         finite=finite,
     )

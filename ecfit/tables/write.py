@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ecfit.coordinates import Axis, viewed
-from ecfit.errors import EcfitError, unknown
+from ecfit.errors import EcfitError, refuse_ignored, unknown
 from ecfit.files import write_atomically, write_text
 from ecfit.tables.consumers import Layout, Piece, layout
 from ecfit.tables.foreign import RAW, SOURCE
@@ -59,7 +59,7 @@ def write_table(
     number: str | None = None,
     stored: str | None = None,
     order: Sequence[str] | None = None,
-    name: str = "ecfit_table",
+    name: str | None = None,
     parts: bool = False,
 ) -> Written:
     """Write a table in a layout; what the file says of itself is read back by `read_layout`.
@@ -70,16 +70,19 @@ def write_table(
         layout_: a layout or the name of one; "plain" keeps the table's axes.
         number, stored: in the place of the layout's: "uint16", "float16", ...; "E" or "1-E".
         order: for "plain": the axes as they are to be stored, the last varies fastest; "-mu": backwards.
-        name: of the array in C.
+        name: of the array in C, "ecfit_table" by default.
         parts: in EXR, whether slices are parts instead of standing below each other.
 
     Raises `EcfitError` where the tables' nodes are not the layout's (they are not interpolated: integrate on
-    the layout's nodes with `ecfit.bake`), and for numbers that the type cannot hold.
+    the layout's nodes with `ecfit.bake`), for numbers that the type cannot hold, and for a name or parts that
+    would have no effect.
     """
     path = Path(path)
     kind = path.suffix.lower()
     if kind not in ENDINGS:
         raise unknown("kind of table file", path.name, (f"*{e}" for e in ENDINGS))
+    if kind not in SOURCE:
+        refuse_ignored(f"only arrays of C source have a name, not {kind}", {"name": name})
     given = [tables] if isinstance(tables, Table) else list(tables)
     plan = layout(layout_)
     plan = replace(plan, number=number or plan.number, stored=stored or plan.stored)
@@ -107,8 +110,10 @@ def write_table(
     back = np.moveaxis(kept.decode(encoded), -1, 1)
     entries = encoded[0] if len(plan.pieces) == 1 else encoded.reshape(-1, *encoded.shape[2:])
     moved, bound = float(np.abs(back - exact).max()), kept.step(float(np.abs(exact).max()))
+    if parts and not (kind == ".exr" and entries.ndim > 3):  # an image is (height, width, channels)
+        raise EcfitError("parts are for the slices of 3D tables in EXR files: leave parts out")
     said = _said(plan, given, orders, bound)
-    _put(path, kind, entries, plan, said, name, parts)
+    _put(path, kind, entries, plan, said, "ecfit_table" if name is None else name, parts)
     shape = entries.shape if len(plan.channels) > 1 else entries.shape[:-1]
     return Written(path, plan, shape, moved, bound)
 
@@ -150,7 +155,7 @@ def _axes(plan: Layout, table: Table) -> list[Axis]:
             found = viewed(nodes.name, axis.name, axis.nodes)
             if found is None:
                 continue
-            if min(np.abs(found - n).max() for n in (wanted.nodes, wanted.nominal)) > _SAME:
+            if np.abs(found - wanted.nodes).max() > _SAME:
                 raise EcfitError(
                     f"layout '{plan.name}' has other nodes of {nodes.name} than the table: tables are not "
                     "interpolated; integrate or sample on the layout's nodes (ecfit export-table MODEL)"
@@ -190,10 +195,17 @@ def _said(plan: Layout, tables: Sequence[Table], orders: Sequence[list[str]], bo
         "stored": plan.stored,
         "number": plan.number,
         "rounding": bound,
+        "errors": [_error(t, bound) for t in tables],
         "contracts": [t.contract.to_dict() for t in tables],
         "sources": [str(t.provenance.get("source", "ecfit")) for t in tables],
         "keys": [str(t.provenance.get("key", "")) for t in tables],
     }
+
+
+def _error(table: Table, rounding: float) -> float | None:
+    """The most by which an entry of the file is off, as far as the table knows its own errors; else None."""
+    known = table.errors[np.isfinite(table.errors)]
+    return float(known.max()) + rounding if known.size else None
 
 
 def _comment(plan: Layout, said: dict[str, Any], tables_shape: tuple[int, ...]) -> list[str]:
@@ -201,7 +213,9 @@ def _comment(plan: Layout, said: dict[str, Any], tables_shape: tuple[int, ...]) 
     contract = said["contracts"][0]
     settings = {**contract["options"], **contract["parameters"]}
     text = [f"{' x '.join(map(str, tables_shape))} numbers, written by ecfit in the layout '{plan.name}'"]
-    text.append(f"{plan.number} of {plan.stored}, rounded by at most {said['rounding']:.2g}")
+    known = [e for e in said["errors"] if e is not None]
+    off = f", off by at most {max(known):.2g} in all" if known else ""
+    text.append(f"{plan.number} of {plan.stored}, rounded by at most {said['rounding']:.2g}{off}")
     for piece in said["pieces"]:
         order = f"order {', '.join(piece['order'])} (the last varies fastest; - runs backwards)"
         text.append(f"{piece['name']}: {order}" if piece["name"] else order)

@@ -1,7 +1,7 @@
 """A table as an OpenEXR image: rows of pixels, slices below each other or as parts."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
+from contextlib import suppress
 from typing import IO, Any
 
 import numpy as np
@@ -19,7 +19,8 @@ def write_exr(
     """Write pixels of shape (..., height, width, channels), float32 or float16.
 
     Slices (the dimensions before height) stand below each other, or each in a part of its own. Raises
-    `EcfitError` for other types of numbers, which OpenEXR lacks.
+    `EcfitError` for other types of numbers, which OpenEXR lacks, and OSError where the file does not hold all
+    pixels in the end: OpenEXR itself often says nothing of a full disk.
     """
     import OpenEXR
 
@@ -33,10 +34,26 @@ def write_exr(
     if not parts:
         slices = slices.reshape(1, -1, *slices.shape[2:])
 
-    def part(i: int, image: np.ndarray) -> Any:
+    def part(i: int, planes: Mapping[str, np.ndarray]) -> Any:
         header = {"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION, **attributes}
-        planes = {n: np.ascontiguousarray(image[..., k]) for k, n in enumerate(channels)}
-        return OpenEXR.Part(header, planes, f"slice{i}")
+        return OpenEXR.Part(header, dict(planes), f"slice{i}")
 
-    # OpenEXR writes by name only; the caller renames.
-    OpenEXR.File([part(i, image) for i, image in enumerate(slices)]).write(str(Path(file.name)))
+    planes = [{n: np.ascontiguousarray(s[..., k]) for k, n in enumerate(channels)} for s in slices]
+    with suppress(RuntimeError):  # of some failures it tells, of others not: what is in the file counts
+        # OpenEXR writes by name only; the caller renames.
+        OpenEXR.File([part(i, image) for i, image in enumerate(planes)]).write(file.name)
+    if not _holds(file.name, planes):
+        raise OSError("what was written does not read back: is the disk full?")
+
+
+def _holds(name: str, planes: Sequence[Mapping[str, np.ndarray]]) -> bool:
+    """Whether a file holds these pixels by channel, part by part."""
+    import OpenEXR
+
+    with suppress(Exception), OpenEXR.File(name, separate_channels=True) as found:  # whatever its C++ raises
+        there = [{n: c.pixels for n, c in part.channels.items()} for part in found.parts]
+        return len(there) == len(planes) and all(
+            has.keys() == wanted.keys() and all(np.array_equal(has[n], wanted[n]) for n in wanted)
+            for has, wanted in zip(there, planes, strict=True)
+        )
+    return False

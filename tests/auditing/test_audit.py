@@ -245,6 +245,38 @@ def test_the_tolerance_is_the_subject_s_own_or_as_asked():
     assert not replace(found, tolerance=1.5e-3).ok
 
 
+@pytest.fixture(scope="module")
+def precise():
+    """A table of a small part of the domain, where nothing is steep: to 1e-8 in a moment."""
+    axes = {"r": Axis.spaced("r", 5, 0.4, 1.0), "mu": Axis.spaced("mu", 6, 0.2, 1.0)}
+    return ecfit.tabulate("conductor", axes, tolerance=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("number", "ending", "tolerance"),
+    # Twice half a step of the type; nothing is judged more sharply than our own tables.
+    [("uint8", ".h", 1 / 255), ("uint16", ".csv", 1 / 65535), ("float32", ".exr", 1e-6)],
+)
+def test_a_file_of_ours_is_judged_by_the_errors_that_it_states(tmp_path, precise, number, ending, tolerance):
+    path = tmp_path / f"t{ending}"
+    written = ecfit.write_table(precise, path, number=number)
+    back = ecfit.read_layout(path)
+    off = np.abs(back.values - precise.values).max()
+    assert 0.0 < off <= written.bound <= back.errors.min() <= written.bound + 1e-8
+    found = audit(back)
+    assert found.ok
+    assert found.tolerance == pytest.approx(tolerance, rel=1e-2)
+    assert found.drift.largest == pytest.approx(off, abs=1e-8)
+
+
+def test_a_file_states_no_errors_where_they_are_unknown(tmp_path, precise):
+    unknown = Table.from_array(precise.values, {a.name: a for a in precise.axes}, precise.contract)
+    ecfit.write_table(unknown, tmp_path / "t.h", number="float32")
+    back = ecfit.read_layout(tmp_path / "t.h")
+    assert not back.estimated
+    assert audit(back).tolerance == 1e-3
+
+
 @pytest.mark.parametrize(
     ("subject", "settings", "words"),
     [
@@ -253,6 +285,7 @@ def test_the_tolerance_is_the_subject_s_own_or_as_asked():
         ("nothing.npz", {}, "no such table"),
         ("nothing.json", {}, "no such file"),
         ("conductor-10", {"samples": 2}, "samples must be 8 or more"),
+        ("conductor-10", {"seed": -1}, "seed must be 0 or more"),
         ("conductor-10", {"tolerance": 0.0}, "tolerance must be a positive number"),
         ("conductor-10", {"contract": Contract("unknown")}, "names no model"),
     ],

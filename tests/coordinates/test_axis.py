@@ -99,9 +99,9 @@ def test_nodes_cannot_be_changed_afterwards():
         axis.nodes[0] = 5.0
 
 
-@pytest.mark.parametrize("count", [1, 0, -3, 2.0, "8", None, True])
+@pytest.mark.parametrize("count", [1, 0, -3, 2.0, "8", None, True, 2**24 + 1, 10**20])
 @pytest.mark.parametrize("spacing", COUNTED)
-def test_a_count_must_be_an_integer_of_two_or_more(spacing, count):
+def test_a_count_must_be_an_integer_of_two_or_more_that_fits_a_memory(spacing, count):
     with pytest.raises(EcfitError, match="axis 'mu': count"):
         Axis.spaced("mu", count, spacing=spacing)
 

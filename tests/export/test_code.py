@@ -1,5 +1,6 @@
 """Source text of every language: names, comments, coordinates, factors, derivatives, mistakes."""
 
+import itertools
 import re
 from dataclasses import replace
 
@@ -7,9 +8,13 @@ import numpy as np
 import pytest
 
 from ecfit.approximation import Lookup, find, shipped
+from ecfit.approximation.shipped import shipped_folder
 from ecfit.errors import EcfitError
 from ecfit.export import LANGUAGES, code, source
 from ecfit.export.contract import fingerprint
+from ecfit.export.coordinates import arguments
+from ecfit.export.evidence import evidence_of
+from ecfit.files import read_json
 from ecfit.fitting import Fit
 from ecfit.metrics import Errors
 
@@ -77,6 +82,13 @@ def test_a_fit_of_a_study_tells_its_errors(tmp_path):
     assert code(approximation, "c", evidence=evidence) == done.to_code("c")
 
 
+def test_the_points_of_an_evidence_are_those_of_the_certificate():
+    data = read_json(shipped_folder() / "conductor-10.json")
+    assert "(measured at 40000 points)" in " ".join(evidence_of(data))
+    data["certificate"]["single_hard"]["points"] = 123
+    assert "(measured at 20123 points)" in " ".join(evidence_of(data))
+
+
 @pytest.mark.parametrize("name", shipped())
 def test_python_is_the_approximation(name):
     fit = find(name)
@@ -129,10 +141,41 @@ def test_a_derivative_is_that_of_the_value(name, views, by):
     np.testing.assert_allclose(found[f"E_d{by}"](**at), numeric, atol=2e-8, rtol=1e-6)
 
 
-def test_a_derivative_is_finite_in_the_corners():
-    slope = run(code(shipped("conductor-10"), "python", name="E", derivative="mu"))["E_dmu"]
-    mu, alpha = np.meshgrid([0.0, 1e-6, 1.0], [0.0, 1e-6, 1.0])
-    assert np.all(np.isfinite(slope(mu, alpha)))
+@pytest.mark.parametrize("name", shipped())
+def test_a_derivative_is_finite_in_the_corners(name):
+    """By every argument, at all corners and near them, in double and single precision."""
+    fit = shipped(name)
+    taken = arguments(fit, (), False)
+    places = [(low, low + 1e-6 * (high - low), high) for low, high in taken.domain]
+    at = np.array(list(itertools.product(*places))).T
+    for by in taken.names:
+        slope = run(code(fit, "python", name="E", derivative=by, evidence=()))[f"E_d{by}"]
+        for kind in (np.float64, np.float32):
+            assert np.all(np.isfinite(slope(*at.astype(kind)))), (by, kind)
+
+
+@pytest.mark.parametrize("name", ["conductor-10", "conductor-half-10", "schlick-a-32"])
+@pytest.mark.parametrize("clamp", [False, True])
+def test_a_derivative_at_zero_is_the_limit(name, clamp):
+    """Roots of alpha have no slope at 0, the function has one: to the right of it that is a difference."""
+    found = run(code(shipped(name), "python", name="E", derivative="alpha", clamp=clamp, evidence=()))
+    mu = np.array([0.3, 0.6, 1.0])
+    numeric = (found["E"](mu, 2e-6) - found["E"](mu, 0.0)) / 2e-6
+    np.testing.assert_allclose(found["E_dalpha"](mu, 0.0), numeric, rtol=0.01, atol=1e-5)
+    assert not clamp or np.all(found["E_dalpha"](mu, -0.1) == 0.0)
+
+
+def test_only_slopes_that_are_no_number_are_raised():
+    fit = shipped("conductor-10")
+    assert "alpha_safe" in code(fit, "c", derivative="alpha")
+    assert "alpha_safe" not in code(fit, "c", derivative="mu")
+    slope = run(code(fit, "python", name="E", derivative="mu"))["E_dmu"]
+    assert np.all(slope(1e-7, np.array([0.0, 0.5])) == 0.0)
+
+
+def test_a_coordinate_may_be_asked_for_twice():
+    fit = shipped("conductor-10")
+    assert code(fit, "c", coordinates=("r", "r")) == code(fit, "c", coordinates="r")
 
 
 def test_coordinates_have_an_order():
@@ -150,8 +193,17 @@ def test_coordinates_have_an_order():
         ({"name": "vec3"}, "reserved in GLSL"),
         ({"name": "_E"}, "underscores"),
         ({"name": "a__b"}, "underscores"),
+        ({"name": "alpha"}, "'alpha' is the name of an argument: choose another name"),
+        ({"name": "r", "coordinates": ("r",)}, "'r' is the name of an argument"),
+        ({"name": "F0", "factor": True}, "'F0' is the name of an argument"),
+        ({"name": "xp", "target": "python"}, "reserved in Python"),
+        ({"name": "numpy", "target": "python"}, "reserved in Python"),
         ({"coordinates": ("roughness",)}, "no coordinate 'roughness': expected one of mu, alpha, r"),
         ({"coordinates": ("ior",)}, "no coordinate 'ior'"),
+        (
+            {"coordinates": ("r", "alpha")},
+            "'r' and 'alpha' are two views of one coordinate: ask for one of them",
+        ),
         ({"derivative": "r"}, "unknown argument for a derivative 'r'"),
         ({"factor": True, "least": 0.0}, r"in \(0, 1\]"),
     ],
@@ -160,6 +212,12 @@ def test_mistakes(change, message):
     target = change.pop("target", "glsl")
     with pytest.raises(EcfitError, match=message):
         code(shipped("conductor-10"), target, **change)
+
+
+def test_locals_do_not_hide_functions_that_are_called():
+    """`E_safe` is what the albedo E is called after it has been raised."""
+    found = run(code(shipped("conductor-10"), "python", name="E_safe", factor=True))
+    assert found["E_safe_metal"](0.3, 0.9, 1.0) == pytest.approx(1.0 / found["E_safe"](0.3, 0.9))
 
 
 def test_locals_do_not_hide_what_a_language_has():

@@ -8,14 +8,15 @@ from ecfit.coordinates import resolve
 from ecfit.errors import EcfitError
 from ecfit.export import code
 from ecfit.export.code import default_name, expression
-from ecfit.export.compiled import compiled, compiler
+from ecfit.export.compiled import compiled
+from ecfit.export.compilers import CC, CXX
 from ecfit.export.coordinates import arguments
 from ecfit.export.ulps import exact, points, ulps
 from ecfit.expressions.evaluate import value
 from ecfit.expressions.node import topological
 
-needs_c = pytest.mark.skipif(compiler("c99") is None, reason="no C compiler")
-needs_cpp = pytest.mark.skipif(compiler("c++17") is None, reason="no C++ compiler")
+needs_c = pytest.mark.skipif(CC.missing() is not None, reason=str(CC.missing()))
+needs_cpp = pytest.mark.skipif(CXX.missing() is not None, reason=str(CXX.missing()))
 LANGUAGE = {"c99": "c", "c11": "c", "c++17": "cpp"}
 # Functions of the C library differ from NumPy's by a few ulps; + - * / and roots round alike everywhere.
 LIBRARY = {"exp", "exp2", "log", "pow"}
@@ -81,6 +82,12 @@ def test_a_warning_is_refused():
     bad = "static inline float f(float x) { const double y = 0.1; return x * y; }"
     with pytest.raises(EcfitError, match="refuses the exported code"):
         compiled([bad], [("f", 1)], "c11")
+
+
+def test_no_compiler_is_an_error_with_the_remedy(monkeypatch):
+    monkeypatch.setenv("CC", "no-such-compiler -O1")
+    with pytest.raises(EcfitError, match="no cc: a C compiler .* or set CC"):
+        compiled([], [], "c11")
 
 
 @needs_c

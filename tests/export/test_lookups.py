@@ -8,9 +8,10 @@ import pytest
 from ecfit.approximation import Lookup, find
 from ecfit.coordinates import resolve
 from ecfit.export import code
-from ecfit.export.compiled import compiled, compiler
+from ecfit.export.compiled import STANDARDS, compiled
+from ecfit.export.compilers import CC
 
-pytestmark = pytest.mark.skipif(compiler("c11") is None, reason="no C compiler")
+pytestmark = pytest.mark.skipif(CC.missing() is not None, reason=str(CC.missing()))
 
 
 def table(name: str, shape: tuple[int, ...], through: tuple[str, ...]):
@@ -27,8 +28,8 @@ THREE = table("dielectric-entering-20", (3, 4, 5), ("identity", "square", "fourt
 @pytest.mark.parametrize("standard", ["c99", "c++17"])
 def test_it_reads_like_the_look_up(fit, views, standard):
     target = "cpp" if standard == "c++17" else "c"
-    if compiler(standard) is None:
-        pytest.skip(f"no compiler for {standard}")
+    if STANDARDS[standard].missing():
+        pytest.skip(str(STANDARDS[standard].missing()))
     text = code(fit, target, name="read", coordinates=views, factor=fit is TWO)
     (read,) = compiled([text], [("read", len(fit.variables))], standard)
     rng = np.random.default_rng(2)

@@ -40,7 +40,10 @@ def test_a_file_of_a_fit(tmp_path, capsys):
         (["conductor-7", "--lang", "glsls"], "expected one of c, cpp, glsl, hlsl, materialx, msl, osl"),
         (["conductor-7", "--lang", "wgsl", "--name", "fn"], "'fn' is reserved in WGSL"),
         (["conductor-8", "--lang", "c"], "unknown shipped or published fit"),
-        (["conductor-7", "--lang", "c", "--coordinates", "r,alpha"], "no coordinate 'alpha'"),
+        (
+            ["conductor-7", "--lang", "c", "--coordinates", "r,alpha"],
+            "'r' and 'alpha' are two views of one coordinate",
+        ),
         (["conductor-7", "--lang", "materialx"], "say --output FOLDER"),
         (["missing.json", "--lang", "c"], "no such file"),
     ],

@@ -7,7 +7,9 @@ from ecfit.approximation import shipped
 from ecfit.errors import EcfitError
 from ecfit.export.coordinates import Arguments
 from ecfit.expressions import parse
-from ecfit.shaders.check import Case, agreement, case, check, compare
+from ecfit.shaders.agreement import agreement
+from ecfit.shaders.cases import Case, case
+from ecfit.shaders.check import check, compare
 from ecfit.shaders.compilers import CC
 from ecfit.shaders.devices import Device, NoDevice
 from ecfit.shaders.program import ARGUMENTS, Function
@@ -70,6 +72,17 @@ def test_nan_where_numpy_has_nan_is_no_difference_but_counted():
     found = agreement(one, given, values)
     assert found.worst == 0.0
     assert found.not_finite == int(np.sum(given[:, 0] == 0.0)) > 0
+
+
+def test_what_numpy_has_no_number_for_is_no_pass():
+    """Any finite value is as near to NaN as any other."""
+    one = written("f", "x / x", "1.0f", (0.0, 1.0))
+    given = one.points(64, 1)
+    found = agreement(one, given, np.ones(64, dtype=np.float32))
+    assert found.not_finite == 0
+    assert found.unknown == int(np.sum(given[:, 0] == 0.0)) > 0
+    assert not found.passes
+    assert f"NumPy's are not at {found.unknown} points" in found.describe()
 
 
 def test_differences_near_zero_count_in_units_of_the_floor():

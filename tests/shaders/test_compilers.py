@@ -1,8 +1,11 @@
 """Compilers are found, say their version, and their refusals reach the reader."""
 
+import shutil
+
 import pytest
 
 from ecfit.errors import EcfitError
+from ecfit.export.compiled import compiled
 from ecfit.shaders.compilers import CC, COMPILERS, GLSLANG, Compiler
 from ecfit.shaders.program import Function
 from ecfit.shaders.tools import TOOLS, of_language, tool
@@ -30,6 +33,25 @@ def test_a_compiler_tells_its_version(name):
 def test_the_environment_chooses_the_compiler(monkeypatch):
     monkeypatch.setenv("CC", "no-such-compiler")
     assert "set CC" in str(CC.missing())
+
+
+@needs_cc
+def test_the_environment_may_give_the_compiler_arguments(monkeypatch, tmp_path):
+    """As make reads it: CC = "ccache gcc" is a command with an argument. Here they end in an error of cc."""
+    path = shutil.which("cc")
+    monkeypatch.setenv("CC", "cc -O1 '-DNAME=a b'")
+    assert CC.command() == [path, "-O1", "-DNAME=a b"]
+    assert "cc" in CC.describe()
+    monkeypatch.setenv("CC", "cc -Dx=@")
+    with pytest.raises(EcfitError, match="refuses the exported code"):
+        TOOLS["cc"].compile([Function("f", 1, "static inline float f(float x) { return x; }")])
+    with pytest.raises(EcfitError, match="refuses the exported code"):
+        compiled(["static inline float f(float x) { return x; }"], [("f", 1)])
+
+
+def test_a_quote_that_is_not_closed_is_no_compiler(monkeypatch):
+    monkeypatch.setenv("CC", "cc 'x")
+    assert CC.missing()
 
 
 @needs_cc

@@ -203,6 +203,13 @@ def test_source_that_is_no_table_is_refused(tmp_path, text, words):
         ecfit.read_table(tmp_path / "t.h", {"r": 2, "mu": 2}, {"model": "unknown"})
 
 
+@pytest.mark.parametrize("number", ["65536", "1e300", "18446744073709551616"])
+def test_bits_of_halves_end_at_16(tmp_path, number):
+    (tmp_path / "t.h").write_text(f"unsigned short a[4] = {{0, 1, 65535, {number}}};")
+    with pytest.raises(EcfitError, match="among the bits of halves"):
+        ecfit.read_table(tmp_path / "t.h", {"r": 2, "mu": 2}, {"model": "unknown"}, number="float16")
+
+
 def test_raw_numbers_need_their_type(tmp_path):
     path = tmp_path / "t.bin"
     np.arange(4, dtype="<u2").tofile(path)
@@ -230,6 +237,11 @@ def test_what_cannot_be_written_is_refused(tmp_path, make_table, unit_axis):
     refused("OpenEXR has no float64", table, tmp_path / "t.exr")
     refused("takes 2 table", table, tmp_path / "t.h", "three")
     refused("no name of an array", table, tmp_path / "t.h", name="a b")
+    refused(
+        "only arrays of C source have a name, not .csv: leave out name", table, tmp_path / "t.csv", name="a"
+    )
+    for file in ("t.exr", "t.npy"):
+        refused("leave parts out", table, tmp_path / file, number="float32", parts=True)
     refused("order must name each axis once", table, tmp_path / "t.h", order=["r"])
     refused("other nodes of", table, tmp_path / "t.h", "enterprise-pbr")
     a, b = synthetic(layout("three"))
@@ -237,8 +249,8 @@ def test_what_cannot_be_written_is_refused(tmp_path, make_table, unit_axis):
     assert not list(tmp_path.iterdir())
 
 
-def test_damaged_words_of_a_file_are_told(tmp_path, make_table, unit_axis):
-    table = make_table(lambda r, mu: r * mu, unit_axis("r", 3), unit_axis("mu", 3))
+def test_damaged_words_of_a_file_are_told(tmp_path):
+    table = Table.from_array(np.full((3, 3), 0.5), {"r": 3, "mu": 3}, {"model": "unknown"})
     path = tmp_path / "t.h"
     write_table(table, path)
     text = path.read_text()
@@ -246,6 +258,19 @@ def test_damaged_words_of_a_file_are_told(tmp_path, make_table, unit_axis):
         path.write_text("\n".join(f"{MARK} {damage}" if MARK in row else row for row in text.splitlines()))
         with pytest.raises(EcfitError, match="damaged"):
             read_layout(path)
+    path.write_text(text)
+    with pytest.raises(EcfitError, match="no piece 'front', it is one table: leave piece out"):
+        read_layout(path, piece="front")
+    with pytest.raises(EcfitError, match="no piece 'front', it is one table: leave piece out"):
+        read_layout(path, "yocto", piece="front")
+    with pytest.raises(EcfitError, match="no channel 'R', it has one: leave channel out"):
+        read_layout(path, channel="R")
+    for damage in ('"errors": [-1.0]', '"errors": ["x"]', '"errors": []', '"errors": 1'):
+        path.write_text(text.replace('"errors": [null]', damage))
+        with pytest.raises(EcfitError, match="errors must be|damaged"):
+            read_layout(path)
+    path.write_text(text.replace('"errors": [null], ', ""))  # as files were written before they said it
+    assert not read_layout(path).estimated
     path.write_text("float a[9] = {1,2,3,4,5,6,7,8,9};")
     with pytest.raises(EcfitError, match="does not say what it is"):
         read_layout(path)
