@@ -22,7 +22,7 @@ QUICK_COMPILE := XLA_FLAGS="--xla_backend_optimization_level=0 --xla_cpu_use_fus
 test: $(VENV)/.test shaders
 	$(QUICK_COMPILE) $(PYTEST)
 
-test-all: $(VENV)/.test $(VENV)/.browser shaders
+test-all: $(VENV)/.test $(VENV)/.browser $(VENV)/.docs shaders
 	$(PYTEST) -m ""
 
 lint: $(VENV)/.dev
