@@ -1,8 +1,8 @@
 """The tables of "Figure 3" in docs/reproducing-the-paper.md, from the summaries of finished studies.
 
-    ecfit run configs/paper.toml && ecfit run configs/paper-energy.toml
-    python benchmarks/reproducing.py            # on the screen
-    python benchmarks/reproducing.py --write    # into the document
+ecfit run configs/paper.toml && ecfit run configs/paper-energy.toml
+python benchmarks/reproducing.py            # on the screen
+python benchmarks/reproducing.py --write    # into the document
 """
 
 import argparse
