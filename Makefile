@@ -42,6 +42,7 @@ docs-serve: $(VENV)/.docs
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs serve
 
 benchmark: $(VENV)/.bench
+	$(BIN)/python benchmarks/start.py
 	$(BIN)/python benchmarks/tables.py
 	$(BIN)/python benchmarks/materials.py
 	$(BIN)/python benchmarks/curve_fit.py

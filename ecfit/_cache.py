@@ -6,8 +6,16 @@ Commands only: who imports ecfit keeps JAX as it is. No JAX here: it reads these
 import hashlib
 import os
 import platform
+import re
 import sys
+import time
+import warnings
+import zlib
+from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
+
+from ecfit._processor import abilities
 
 # Off, or a folder of the user's choice.
 SWITCH = "ECFIT_COMPILATION_CACHE"
@@ -17,6 +25,19 @@ _SETTINGS = {
     "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
     "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "-1",
 }
+# What JAX says of entries that are half there (another process is writing it, or was killed while it did) and
+# of disks that are full. It compiles instead: nobody has to know.
+_UNSAID = ("Error reading persistent compilation cache", "Error writing persistent compilation cache")
+
+# Names of JAX's entries; nothing else is ever removed.
+_ENTRY = re.compile(r".+-[0-9a-f]{64}-cache")
+# Bytes that the folders of all processors may hold: a study leaves 5 to 20 MB. JAX's own limit
+# (JAX_COMPILATION_CACHE_MAX_SIZE) needs a package for locks, and a lock at every entry.
+LIMIT = 500_000_000
+# Seconds between two sweeps.
+_DAY = 86_400.0
+# An entry that is younger may still be written.
+_MINUTE = 60.0
 
 
 def cache_folder() -> Path | None:
@@ -40,12 +61,7 @@ def cache_folder() -> Path | None:
 
 def _processor() -> str:
     """A hash of what this processor can do, and of the flags that XLA is told."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text().split("\n\n")[0].splitlines()
-        able = next((line for line in lines if line.startswith(("flags", "Features"))), "")
-    except OSError:
-        able = platform.processor()
-    text = "\n".join([platform.machine(), able, os.environ.get("XLA_FLAGS", "")])
+    text = "\n".join([platform.machine(), abilities(), os.environ.get("XLA_FLAGS", "")])
     return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 
@@ -53,6 +69,7 @@ def keep_compiled() -> None:
     """Tell JAX, and that of processes started later, where to keep what is compiled.
 
     Nothing is changed where JAX has loaded, where the user told JAX a folder, and where it cannot be written.
+    Whatever is wrong with the folder later, JAX compiles.
     """
     if "jax" in sys.modules or _FOLDER in os.environ:
         return
@@ -60,10 +77,61 @@ def keep_compiled() -> None:
     if folder is None:
         return
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        # The user's alone: what is in it is executed.
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     except OSError:
         return
-    if os.access(folder, os.W_OK):
-        os.environ[_FOLDER] = str(folder)
-        for name, value in _SETTINGS.items():
-            os.environ.setdefault(name, value)
+    if not os.access(folder, os.W_OK):
+        return
+    os.environ[_FOLDER] = str(folder)
+    for name, value in _SETTINGS.items():
+        os.environ.setdefault(name, value)
+    for message in _UNSAID:
+        warnings.filterwarnings("ignore", message)
+    said = [os.environ.get("PYTHONWARNINGS", ""), *(f"ignore:{message}" for message in _UNSAID)]
+    os.environ["PYTHONWARNINGS"] = ",".join(filter(None, said))  # of workers
+    sweep(folder)
+
+
+def sweep(folder: Path) -> None:
+    """Once a day: remove entries that were never finished, and the oldest of too many; never an error.
+
+    JAX does neither: an entry that a killed process left half-written would be compiled again each time.
+    """
+    stamp = folder / ".swept"
+    with suppress(OSError):
+        last = stamp.stat().st_mtime if stamp.exists() else 0.0
+        if time.time() - last < _DAY:
+            return
+        stamp.touch()
+        # Read last (to a day, as most systems keep it), or written.
+        found = sorted((max(s.st_atime, s.st_mtime), s.st_size, path) for path, s in _entries(folder))
+        total = sum(size for _, size, _ in found)
+        for _, size, path in found:
+            fresh = path.stat().st_mtime > last - _MINUTE
+            if total > LIMIT or (fresh and not _whole(path)):
+                path.unlink(missing_ok=True)
+                total -= size
+
+
+def _entries(folder: Path) -> Iterator[tuple[Path, os.stat_result]]:
+    """The entries of a folder and, where it is ours, of its neighbours: other processors and flags."""
+    folders = folder.parent.glob("xla-*") if folder.name.startswith("xla-") else [folder]
+    for path in (path for near in folders for path in near.iterdir()):
+        if _ENTRY.fullmatch(path.name):
+            with suppress(FileNotFoundError):  # another process may sweep, too
+                yield path, path.stat()
+
+
+def _whole(path: Path) -> bool:
+    """Whether an entry can be unpacked, or is too young to say."""
+    content = path.read_bytes()
+    if time.time() - path.stat().st_mtime < _MINUTE:
+        return True
+    if content and content[0] != 0x78:  # not of zlib: JAX takes zstd where that is installed
+        return True
+    try:
+        zlib.decompress(content)
+    except zlib.error:
+        return False
+    return True

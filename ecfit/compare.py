@@ -141,10 +141,11 @@ def compare(
             changes += found
             same += not found
     changes.sort(key=lambda c: KINDS.index(c.kind))
+    # What only one of them recorded is not known to differ.
     versions = tuple(
-        f"{n} {a.versions.get(n, 'none')} -> {b.versions.get(n, 'none')}"
-        for n in sorted({*a.versions, *b.versions})
-        if a.versions.get(n) != b.versions.get(n)
+        f"{n} {a.versions[n]} -> {b.versions[n]}"
+        for n in sorted({*a.versions} & {*b.versions})
+        if a.versions[n] != b.versions[n]
     )
     return Comparison(a.folder, b.folder, versions, tuple(changes), same, tolerance, coefficients)
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
+from typing import Any
 
 from ecfit.errors import EcfitError, unknown
 
@@ -41,6 +42,9 @@ class Contract:
         quantity_options: settings of the quantity in numbers: exponent, ...
         stored: "E" (a table of 1 - E is converted on reading).
         sampling: "clamped" where nodes differ from the coordinates that a fit sees, else "true".
+
+    Raises `EcfitError` for names that it does not know, and settings that are not words (options) or
+    numbers.
     """
 
     model: str
@@ -86,12 +90,12 @@ class Contract:
                 out.append(f"{name} = {value}")
         return out
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """A JSON-ready dictionary."""
         return asdict(self)
 
     @classmethod
-    def from_dict(cls, data: Mapping) -> "Contract":
+    def from_dict(cls, data: Mapping[str, Any]) -> "Contract":
         """The inverse of `to_dict`; raises `EcfitError` for unknown or missing keys."""
         known = {f.name for f in fields(cls)}
         if not isinstance(data, Mapping) or "model" not in data:

@@ -95,3 +95,5 @@ def read_json(path: Path) -> Any:
         return json.loads(read_text(path))
     except (json.JSONDecodeError, RecursionError) as error:
         raise EcfitError(f"'{path}' is not valid JSON: {error}") from None
+    except ValueError:  # Python reads no longer ones
+        raise EcfitError(f"'{path}' is not valid JSON: a whole number of thousands of digits") from None

@@ -31,7 +31,7 @@ class Errors:
     furnace_mean: float
     furnace_max: float
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         return asdict(self)
 
     @classmethod

@@ -210,10 +210,12 @@ sys.addaudithook(_hook)
 def guarded(folder: Path) -> Iterator[None]:
     """Fail where a `settled` call writes outside `folder`, starts a process or unpickles an object."""
     _Guard.folder, _Guard.seen = os.path.realpath(folder), []
+    # A module of ours that a case is the first to need would be kept compiled, beside its source.
+    keeps, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     try:
         yield
     finally:
-        _Guard.folder = ""
+        _Guard.folder, sys.dont_write_bytecode = "", keeps
     if _Guard.seen:
         raise AssertionError("\n".join(_Guard.seen))
 

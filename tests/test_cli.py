@@ -31,7 +31,7 @@ def call(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, s
     ("command", "heavy"),
     [
         ("--help", "jax numpy matplotlib pydantic rich cyclopts docstring_parser ecfit.cli.studies"),
-        ("--version", "jax numpy matplotlib pydantic docstring_parser ecfit.cli.studies"),
+        ("--version", "jax numpy matplotlib pydantic rich cyclopts ecfit.cli.studies"),
         ("init --help", "jax numpy matplotlib pydantic ecfit.cli.tables"),
         ("compare results/quick results/quick", "jax numpy matplotlib pydantic rich ecfit.cli.tables"),
         ("run nowhere.toml", "jax matplotlib ecfit.cli.tables"),

@@ -115,7 +115,7 @@ def test_another_key_of_a_table_and_other_versions_are_told(runs):
     path = runs[1] / "provenance.json"
     data = json.loads(path.read_text())
     data["tables"]["conductor"]["key"] = "0123"
-    data["versions"]["jax"] = "99.0"
+    data["versions"] |= {"jax": "99.0", "recorded-since": "1"}
     path.write_text(json.dumps(data))
     found = compare(*runs)
     assert [(c.kind, c.part, c.name) for c in found.changes] == [("moved", "table", "conductor")]

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import equinox as eqx
 import numpy as np
 
 from ecfit._jax import jax, jnp
@@ -44,6 +45,8 @@ class Approximation:
         domain: (low, high) of each variable.
         contract: the conventions of what is approximated.
         source: who published it, or `OURS`.
+
+    Raises `EcfitError` unless variables, domain and formula agree in number, with low < high everywhere.
     """
 
     name: str
@@ -77,7 +80,10 @@ class Approximation:
         source: str = OURS,
         scales: tuple[tuple[float, float], ...] = (),
     ) -> "Approximation":
-        """A quotient of polynomials; see `Quotient` for terms, coefficients and scales."""
+        """A quotient of polynomials; see `Quotient` for terms, coefficients and scales.
+
+        Raises `EcfitError` for coefficients that are not finite, or not as many as the terms.
+        """
         try:
             formula = Quotient(terms, np.asarray(coefficients), scales)
         except EcfitError as error:
@@ -138,6 +144,16 @@ class Approximation:
         if not isinstance(self.formula, Quotient):
             raise EcfitError(f"'{self.name}' is not a quotient of polynomials but {self.formula.kind}")
         return self.formula
+
+    @property
+    def module(self) -> eqx.Module:
+        """The Equinox module that the formula is, its arrays the coefficients.
+
+        Raises `EcfitError` for formulas of other kinds.
+        """
+        if not isinstance(self.formula, ModuleFormula):
+            raise EcfitError(f"'{self.name}' is not a module but {self.formula.kind}")
+        return self.formula.module
 
     @property
     def is_quotient(self) -> bool:
@@ -219,7 +235,10 @@ class Approximation:
         return self.formula.smallest_denominator(self.domain)
 
     def with_quotient(self, **changes: Any) -> "Approximation":
-        """The same with other `values` (coefficients), `scales` or `terms` of its quotient."""
+        """The same with other `values` (coefficients), `scales` or `terms` of its quotient.
+
+        Raises `EcfitError` where the formula is no quotient, and for parts that do not fit together.
+        """
         try:
             return replace(self, formula=replace(self._quotient, **changes))
         except EcfitError as error:
@@ -235,7 +254,7 @@ class Approximation:
         except EcfitError as error:
             raise EcfitError(f"'{self.name}': {error}") from None
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """A JSON-ready dictionary that `from_dict` reads back exactly."""
         return {
             "name": self.name,

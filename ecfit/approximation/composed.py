@@ -98,7 +98,7 @@ class Composed(Formula):
             found.append(least._replace(place=tuple(place[n] for n in self.names)))
         return min(found, key=lambda m: m.bound)
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         return {
             "text": self.text,
             "parts": [

@@ -65,7 +65,7 @@ class Formula(abc.ABC):
         return [(f"number {i + 1}", float(c)) for i, c in enumerate(self.coefficients)]
 
     @abc.abstractmethod
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """A JSON-ready dictionary that `from_dict` reads back exactly."""
 
     def on_grid(self, nodes: Sequence[np.ndarray]) -> np.ndarray:
@@ -87,6 +87,9 @@ class Quotient(Formula):
         values: coefficients, float64, numerator then denominator (whose constant 1 is implied).
         scales: (origin, unit) of each variable x: the monomials are those of (x - origin) / unit.
             By default (0, 1).
+
+    Raises `EcfitError` for coefficients that are not finite or not as many as the terms, and malformed
+    scales.
     """
 
     kind: ClassVar[str] = "quotient"
@@ -205,7 +208,7 @@ class Quotient(Formula):
             raise EcfitError("the denominator vanishes at the new origin")
         return replace(self, values=values, scales=tuple(scales))
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         return {
             "scales": [list(s) for s in self.scales],
             "numerator_exponents": self.terms.numerator.tolist(),

@@ -22,6 +22,8 @@ class Lookup(Formula):
         grid: values, float64, one dimension a variable.
         ranges: (low, high) of each variable.
         through: name of the map of each variable (`ecfit.coordinates.MAPS`).
+
+    Raises `EcfitError` for fewer than 2 values an axis, values that are not finite, and unknown maps.
     """
 
     kind: ClassVar[str] = "lookup"
@@ -77,7 +79,7 @@ class Lookup(Formula):
     def smallest_denominator(self, domain: Box) -> Minimum:
         return Minimum(1.0, tuple(low for low, _ in domain), 1.0)
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         return {
             "grid": self.grid.tolist(),
             "ranges": [list(r) for r in self.ranges],

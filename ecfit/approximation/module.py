@@ -28,6 +28,8 @@ class ModuleFormula(Formula):
         module: with its coefficients.
         names: coordinates that it is called with, in order.
         record: its registered name and settings; None where it has none, and cannot be written.
+
+    Raises `EcfitError` for coefficients that are not finite.
     """
 
     kind: ClassVar[str] = "module"
@@ -80,7 +82,7 @@ class ModuleFormula(Formula):
     def rows(self, names: Sequence[str]) -> list[tuple[str, float]]:
         return list(zip(labels_of(self.module), map(float, self.coefficients), strict=True))
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """See `Formula`. Raises `EcfitError` for a module that is not registered."""
         if self.record is None:
             raise EcfitError(

@@ -17,7 +17,10 @@ from ecfit.forms.corner import ChartDomain
 
 @dataclass(frozen=True, eq=False)
 class StructuredFormula(Formula):
-    """A `Structure` and its coefficients: numerators one after the other, then Q without its leading 1."""
+    """A `Structure` and its coefficients: numerators one after the other, then Q without its leading 1.
+
+    Raises `EcfitError` for coefficients that are not finite, or not as many as the structure has.
+    """
 
     kind: ClassVar[str] = "structured"
 
@@ -80,7 +83,7 @@ class StructuredFormula(Formula):
             for row, c in zip(exponents, values, strict=True)
         ]
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         return {"structure": self.structure.to_dict(), "coefficients": self.values.tolist()}
 
     @classmethod

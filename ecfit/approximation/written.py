@@ -50,6 +50,7 @@ class Written(Formula):
 
     @property
     def count(self) -> int:
+        """Numbers to store."""
         return self.numbers or self.coefficients.size
 
     def expression(self, names: Sequence[str]) -> Node:
@@ -67,7 +68,7 @@ class Written(Formula):
     def smallest_denominator(self, domain: Box) -> Minimum:
         return smallest_divisor(self._expression, self.names, domain)
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         return {
             "formula": self.text,
             "let": [list(pair) for pair in self.lets],

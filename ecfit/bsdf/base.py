@@ -19,12 +19,29 @@ def _as_float64(value: Any) -> Any:
 
 
 def parameter(default: float, low: float, high: float, doc: str) -> Any:
-    """A field of a model that can be an axis of a table: a number in [low, high]."""
+    """A field of a model that can be an axis of a table: a number in [low, high].
+
+    Args:
+        default: its value where none is given.
+        low, high: the range, ends included, in the parameter's own unit; also the default range of an axis.
+        doc: what it is, for `ecfit list` and reports.
+
+    A parameter named `alpha` may be given as `r`, one named `ior` as `F0`. The field holds a float64 array, a
+    scalar, through which JAX differentiates.
+    """
     return eqx.field(default=default, converter=_as_float64, metadata={"range": (low, high), "doc": doc})
 
 
 def option(default: str, choices: tuple[str, ...], doc: str) -> Any:
-    """A field of a model that is one of several words, fixed when the model is made."""
+    """A field of a model that is one of several words, fixed when the model is made.
+
+    Args:
+        default: the word where none is given.
+        choices: all words; making a model with another raises `EcfitError`.
+        doc: what is chosen, for `ecfit list`.
+
+    The field is static: JAX compiles each choice by itself, so `f` may branch on it in plain Python.
+    """
     return eqx.field(default=default, static=True, metadata={"choices": choices, "doc": doc})
 
 
@@ -40,6 +57,8 @@ class BSDF(eqx.Module):
         conserving: the albedo never exceeds 1.
         fresnel_parameters: parameters that enter the integrand through the Fresnel factor only: a table's
             entries that differ in one of them share the geometry, which makes them cheap.
+
+    Raises `EcfitError` where an option is none of its choices.
     """
 
     reciprocal: ClassVar[bool] = True
@@ -133,7 +152,10 @@ class BSDF(eqx.Module):
         return getattr(self, name)
 
     def with_parameters(self, values: Mapping[str, Array]) -> "BSDF":
-        """A copy with other parameters; scalars, arrays or tracers."""
+        """A copy with other parameters; scalars, arrays or tracers.
+
+        Ranges are not checked (see `check_range`). Raises `EcfitError` for a name that is no parameter.
+        """
         known = self.parameter_ranges()
         for name in values:
             if name not in known:

@@ -19,7 +19,7 @@ def register(name: str) -> Callable[[T], T]:
     """Class decorator: make a model available under `name` to `ecfit.model` and to configs.
 
     Registering the same name again replaces the model (convenient in a notebook), except for a name
-    that ecfit ships.
+    that ecfit ships. Raises `EcfitError` for such a name, and for what is no subclass of `ecfit.BSDF`.
     """
 
     def decorate(cls: T) -> T:
@@ -35,7 +35,7 @@ def register(name: str) -> Callable[[T], T]:
 
 
 def models() -> dict[str, type[BSDF]]:
-    """All registered models, by name."""
+    """All registered models: name -> class. Plugins are among them once they are imported."""
     for module in _LAZY.values():
         import_module(module)
     return dict(_MODELS)
@@ -48,7 +48,8 @@ def model(name: str, /, **settings: object) -> BSDF:
     model, setting or option value, and for a parameter outside its range.
     """
     if name not in _MODELS and name not in models():
-        raise unknown("model", name, _MODELS)
+        said = unknown("model", name, _MODELS)
+        raise EcfitError(f"{said} (one of your own: --plugin FILE, or plugins = [FILE] in a config)")
     cls = _MODELS[name]
     ranges, choices = cls.parameter_ranges(), cls.option_choices()
     for key, value in settings.items():
@@ -76,7 +77,10 @@ def name_of(bsdf: BSDF) -> str:
 
 
 def as_model(bsdf: BSDF | type[BSDF] | str) -> BSDF:
-    """A model from itself, its class (with its defaults) or its registered name."""
+    """A model from itself, its class (with its defaults) or its registered name.
+
+    Raises `EcfitError` for an unknown name and for anything else.
+    """
     if isinstance(bsdf, BSDF):
         return bsdf
     if isinstance(bsdf, str):

@@ -112,7 +112,7 @@ class Certificate:
         out += [f"  {label}: {drift.describe()}" for label, drift in rows]
         return out
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """A JSON-ready dictionary that `from_dict` reads back; infinities become null in a file."""
         return {
             **asdict(self),

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -51,7 +51,8 @@ class Proof:
         verdict = "false" if self.value < 0.0 else "not proved"
         return f"{self.claim}: {verdict}, lower bound {self.bound:.4g} ({found})"
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
+        """A JSON-ready dictionary."""
         return asdict(self)
 
 
@@ -158,7 +159,7 @@ class Range:
             )
         return out + [f"  {fault}" for fault in self.faults]
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         return asdict(self)
 
 

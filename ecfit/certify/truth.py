@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -29,6 +30,8 @@ class Sampling:
         ranges: of r, mu and s = sqrt(F0), within the approximation's domain; s over all of it by default.
             Rougher than 0.03 and steeper than 0.02 is what renderers use; the rest is measured apart.
         logarithmic: coordinates that are uniform in their logarithm instead.
+
+    Raises `EcfitError` for less than 1 point.
     """
 
     count: int = 20_000
@@ -64,7 +67,7 @@ class Sampling:
             out[name] = np.clip(scale[1](drawn), low, high)
         return out
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """A JSON-ready dictionary."""
         ranges = {name: list(ends) for name, ends in self.ranges.items()}
         return {**asdict(self), "ranges": ranges, "logarithmic": list(self.logarithmic)}

@@ -21,6 +21,10 @@ def main(arguments: list[str] | None = None) -> None:
     try:
         if asks_for_page(words):
             print(page())
+        elif words == ["--version"]:
+            from ecfit import __version__
+
+            print(__version__)
         else:
             _call(words)
     except EcfitError as error:
@@ -34,7 +38,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def _call(words: list[str]) -> None:
-    """What help does without: the folder of compiled code, and cyclopts (0.2 s)."""
+    """What the above does without: the folder of compiled code, and cyclopts (0.2 s)."""
     from ecfit._cache import keep_compiled
     from ecfit.cli.app import call
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from ecfit.cli.arguments import Plugins
 from ecfit.cli.terminal import say
 from ecfit.errors import EcfitError
 
@@ -55,7 +56,9 @@ def fit(
         print(f"written: {output}")
 
 
-def certify(fit: str, *, samples: int = 20_000, seed: int = 1, output: Path | None = None) -> None:
+def certify(
+    fit: str, *, plugin: Plugins = (), samples: int = 20_000, seed: int = 1, output: Path | None = None
+) -> None:
     """Prove that a fit has no pole and stays in [0, 1] on its whole domain, and measure its errors.
 
     Exits with 1 where the certificate is refused.
@@ -74,7 +77,9 @@ def certify(fit: str, *, samples: int = 20_000, seed: int = 1, output: Path | No
     from ecfit.approximation import find
     from ecfit.certify import certify as certify_
     from ecfit.files import write_json
+    from ecfit.study.plugins import load_plugins
 
+    load_plugins(plugin, Path())
     done = certify_(find(fit), samples=samples, seed=seed)
     print("\n".join(done.describe()))
     if output is not None:

@@ -7,6 +7,7 @@ the first lines of the commands' docstrings are read from their sources.
 import ast
 import textwrap
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from shutil import get_terminal_size
 
@@ -46,17 +47,14 @@ def asks_for_page(words: Sequence[str]) -> bool:
 def page() -> str:
     """The first page: every command with the first line of its documentation, as wide as the terminal."""
     width = min(_WIDEST, get_terminal_size().columns)
-    said: dict[str, dict[str, str]] = {}
     parts = [_HEAD]
     for theme, commands in COMMANDS.items():
         parts.append(f"{theme}:")
         for command in commands:
             module, _, function = command.partition(":")
-            lines = said.setdefault(module, _first_lines(module))
             label = f"  {name_of(function):{_INDENT - 2}}"
-            parts.append(
-                textwrap.fill(lines[function], width, initial_indent=label, subsequent_indent=" " * _INDENT)
-            )
+            line = _first_lines(module)[function]
+            parts.append(textwrap.fill(line, width, initial_indent=label, subsequent_indent=" " * _INDENT))
         parts.append("")
     return "\n".join([*parts, _TAIL])
 
@@ -66,6 +64,7 @@ def name_of(function: str) -> str:
     return function.strip("_").replace("_", "-")
 
 
+@cache
 def _first_lines(module: str) -> dict[str, str]:
     """First lines of the docstrings of a module's functions, from its source."""
     tree = ast.parse(Path(__file__).with_name(f"{module}.py").read_text("utf-8"))

@@ -6,6 +6,7 @@ the exact integral.
 
 import abc
 from collections.abc import Mapping
+from typing import Any
 
 import equinox as eqx
 
@@ -55,6 +56,8 @@ class Compensated(BSDF):
         base: the single-scattering model.
         given: approximation of its albedo (lobe = all); None for the exact integral.
         transport: in which the exact albedo is taken.
+
+    Raises `EcfitError` for an unknown transport.
     """
 
     base: BSDF
@@ -143,7 +146,10 @@ class Turquin(Compensated):
 
 
 class KullaConty(Compensated):
-    """The base plus the diffuse lobe of Sforza & Pellacini 2022, eq. 4, for a reflecting base."""
+    """The base plus the diffuse lobe of Sforza & Pellacini 2022, eq. 4, for a reflecting base.
+
+    Raises `EcfitError` for a model that transmits.
+    """
 
     average: Approximation | None = eqx.field(static=True, default=None)
     F_ms: Array = eqx.field(default=1.0, converter=lambda v: jnp.asarray(v, dtype=jnp.float64))
@@ -188,7 +194,10 @@ _METHODS = {"turquin": Turquin, "kulla-conty": KullaConty}
 
 
 def compensate(
-    model: BSDF | type[BSDF] | str, albedo: Approximation | None = None, method: str = "turquin", **settings
+    model: BSDF | type[BSDF] | str,
+    albedo: Approximation | None = None,
+    method: str = "turquin",
+    **settings: Any,
 ) -> Compensated:
     """A model with its energy put back.
 

@@ -95,7 +95,8 @@ def furnace_of(
     """The furnace of a model compensated by an approximation of its albedo.
 
     A `glossy` model takes it for E_spec, over a white base (Sforza & Pellacini 2022, eq. 18); for all others
-    see `compensate`.
+    see `compensate`, also for its arguments and errors; `axes`, `transport` and `tolerance` as for `furnace`.
+    Raises `EcfitError` for a glossy layer with another method than "turquin".
     """
     if isinstance(model, Glossy):
         if method != "turquin":

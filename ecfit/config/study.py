@@ -1,13 +1,14 @@
 """The sections of a study file, and what is wrong with one. Nothing here imports JAX."""
 
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
-from ecfit.config.toml import key_lines
+from ecfit.config.toml import deepest_key, key_lines
 from ecfit.contract import LOBES, QUANTITIES, TRANSPORTS
 from ecfit.coordinates import MAPS, SPACINGS
 from ecfit.errors import EcfitError, did_you_mean
@@ -446,6 +447,12 @@ def read_config(path: str | Path) -> StudyConfig:
     return read_checked(path, StudyConfig, _cross_check, "configs/quick.toml")
 
 
+# Characters of a study file: thirty times as many as our longest.
+_LONGEST = 1_000_000
+_MOST_FAULTS = 50
+# Parts of a key: a study has five levels.
+_DEEPEST = 50
+
 # Where a fault is, and what it is.
 Fault = tuple[tuple[str | int, ...], str]
 Sections = TypeVar("Sections", bound=BaseModel)
@@ -460,10 +467,18 @@ def read_checked(
     """
     path = Path(path)
     text = read_text(path)
+    if len(text) > _LONGEST:
+        raise EcfitError(
+            f"{path}: {len(text)} characters, a study has at most {_LONGEST}: is this another file?"
+        )
     try:
+        if deepest_key(text) > _DEEPEST:
+            raise RecursionError
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise EcfitError(f"{path}: not valid TOML: {error}") from None
+    except ValueError:  # Python reads no longer ones
+        raise EcfitError(f"{path}: not valid TOML: a whole number of thousands of digits") from None
     except RecursionError:
         raise EcfitError(f"{path}: not valid TOML: nested too deeply") from None
     if not data:
@@ -471,12 +486,19 @@ def read_checked(
     try:
         config = kind.model_validate(data)
     except ValidationError as error:
-        raise EcfitError("\n".join(_messages(path, text, error, kind))) from None
+        raise EcfitError(_first(_messages(path, text, error, kind))) from None
     faults = cross_check(config)
     if faults:
         lines = key_lines(text)
-        raise EcfitError("\n".join(f"{_where(path, lines, loc)}: {message}" for loc, message in faults))
+        raise EcfitError(_first(f"{_where(path, lines, loc)}: {message}" for loc, message in faults))
     return config
+
+
+def _first(messages: Iterable[str]) -> str:
+    """As many lines as somebody reads."""
+    told = list(islice(messages, _MOST_FAULTS + 1))
+    more = ["... and more faults than these"] if len(told) > _MOST_FAULTS else []
+    return "\n".join(told[:_MOST_FAULTS] + more)
 
 
 def _cross_check(config: StudyConfig) -> list[Fault]:
@@ -506,9 +528,8 @@ def _where(path: Path, lines: Mapping[tuple[str | int, ...], int], location: Seq
     return f"{path}{line}: {key}"
 
 
-def _messages(path: Path, text: str, error: ValidationError, root: type[BaseModel]) -> list[str]:
+def _messages(path: Path, text: str, error: ValidationError, root: type[BaseModel]) -> Iterator[str]:
     lines = key_lines(text)
-    out: list[str] = []
     # A missing key is often a misspelt one: the misspelling, which says so, comes first.
     for fault in sorted(error.errors(), key=lambda f: f["type"] == "missing"):
         location = fault["loc"]
@@ -521,10 +542,13 @@ def _messages(path: Path, text: str, error: ValidationError, root: type[BaseMode
             )
         else:
             value = fault.get("input")
-            shown = f"{value!r}: " if isinstance(value, str | int | float) else ""
+            shown = f"{_short(repr(value))}: " if isinstance(value, str | int | float) else ""
             message = shown + _plain(fault)
-        out.append(f"{_where(path, lines, location)}: {message}")
-    return out
+        yield f"{_where(path, lines, location)}: {message}"
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 200 else f"{text[:200]}..."
 
 
 def _plain(fault: Any) -> str:

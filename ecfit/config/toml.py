@@ -118,6 +118,18 @@ class _Locator:
         return self.lines
 
 
+def deepest_key(text: str) -> int:
+    """Most parts that a dotted key of any text has (or what looks like one): readers take their square."""
+    most = parts = 0
+    word = False
+    for kind, value, _ in _tokens(text):
+        named = kind in ("bare", "string")
+        parts = parts + 1 if named and not word else parts if value == "." else 0
+        word = named
+        most = max(most, parts)
+    return most
+
+
 def key_lines(text: str) -> dict[Path, int]:
     """Path of each key of a valid TOML text -> its line, counted from 1; array elements by index."""
     try:

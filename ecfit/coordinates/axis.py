@@ -1,10 +1,11 @@
 """Axes: where a table is integrated, and what a fit sees."""
 
 import numbers
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ecfit.coordinates.maps import MAPS
 from ecfit.errors import EcfitError, unknown
@@ -49,6 +50,9 @@ class Axis:
         spacing: a name of `SPACINGS`.
         through: the named map y = map(t) such that the spacing holds in t.
         low, high: range of the nominal coordinate: the domain of a fit.
+
+    Raises `EcfitError` for fewer than 2 nodes, nodes that are not finite numbers or do not increase, and
+    unknown names.
     """
 
     name: str
@@ -136,8 +140,11 @@ class Axis:
         return cls(name, nodes, nodes, spacing, through, float(low), float(high))
 
     @classmethod
-    def given(cls, name: str, nodes: ArrayLike) -> "Axis":
-        """An axis with the given increasing nodes."""
+    def given(cls, name: str, nodes: Sequence[Any] | np.ndarray) -> "Axis":
+        """An axis with the given increasing nodes, shape (count,) with count >= 2; its range ends with them.
+
+        Raises `EcfitError` for nodes that are not finite numbers, or do not increase.
+        """
         return cls(name, nodes, nodes)  # type: ignore[arg-type]
 
     @property

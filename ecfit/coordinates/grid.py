@@ -10,7 +10,10 @@ from ecfit.errors import EcfitError
 
 @dataclass(frozen=True)
 class Grid:
-    """The tensor product of n axes."""
+    """The tensor product of n axes.
+
+    Raises `EcfitError` for no axes, and for two of one name.
+    """
 
     axes: tuple[Axis, ...]
 
@@ -23,14 +26,17 @@ class Grid:
 
     @property
     def names(self) -> tuple[str, ...]:
+        """Names of the axes, in order."""
         return tuple(a.name for a in self.axes)
 
     @property
     def shape(self) -> tuple[int, ...]:
+        """Number of nodes of each axis."""
         return tuple(len(a) for a in self.axes)
 
     @property
     def size(self) -> int:
+        """Number of entries."""
         return int(np.prod(self.shape))
 
     @property

@@ -22,6 +22,8 @@ class EnterprisePBR(Boundary):
 
     blend = "merged" is the document's ThinCore or VolumetricCore, whose lobes share F_ms of the mixed F0 and
     F90; blend = "sum" is the sum of the three BSDFs that it stands for. f is the radiance BSDF.
+
+    Raises `EcfitError` for a clear coat with exact energies.
     """
 
     alpha: Array = parameter(0.25, 0.0, 1.0, "GGX width; r = sqrt(alpha) is accepted too")

@@ -95,14 +95,15 @@ class Search:
     def __init__(
         self, box: Mapping[str, tuple[float, float]], used: Collection[str], outside: Outside | None
     ) -> None:
-        self.names, self.outside = tuple(box), outside
-        self.low = np.array([float(low) for low, _ in box.values()])
-        self.high = np.array([float(high) for _, high in box.values()])
+        self.names: tuple[str, ...] = tuple(box)
+        self.outside: Outside | None = outside
+        self.low: np.ndarray = np.array([float(low) for low, _ in box.values()])
+        self.high: np.ndarray = np.array([float(high) for _, high in box.values()])
         finite = np.all(np.isfinite(self.low)) and np.all(np.isfinite(self.high))
         if not finite or np.any(self.low > self.high):
             raise EcfitError("bounds: a range must be finite, with low <= high")
-        self.width = self.high - self.low
-        self.active = [
+        self.width: np.ndarray = self.high - self.low
+        self.active: list[int] = [
             i
             for i, name in enumerate(self.names)
             if self.width[i] > 0.0 and (name in used or outside is not None)
@@ -112,8 +113,9 @@ class Search:
         self, examine: Callable[[Ends, Ends], Examined], tolerance: float, enough: float | None, limit: int
     ) -> Minimum:
         """The minimum; see `smallest`. `examine` is called with ends of boxes of shape (boxes, variables)."""
-        self._examine_some, self.best = examine, np.inf
-        self.place = 0.5 * (self.low + self.high)
+        self._examine_some = examine
+        self.best: float = np.inf
+        self.place: np.ndarray = 0.5 * (self.low + self.high)
         lows, highs = self._initial()
         bounds, split = self._examine(lows, highs, np.full(len(lows), -np.inf))
         done = np.inf  # least bound of the boxes that are not refined any further

@@ -40,8 +40,8 @@ class Interval:
     __slots__ = ("_sign", "high", "low")
 
     def __init__(self, low: Any, high: Any) -> None:
-        self.low = np.asarray(low, dtype=np.float64)
-        self.high = np.asarray(high, dtype=np.float64)
+        self.low: np.ndarray = np.asarray(low, dtype=np.float64)
+        self.high: np.ndarray = np.asarray(high, dtype=np.float64)
         self._sign: int | None = None
 
     @property

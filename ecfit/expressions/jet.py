@@ -22,7 +22,7 @@ class Jet:
 
     def __init__(self, value: Interval, derivatives: Mapping[int, Interval]) -> None:
         self.value = value
-        self.derivatives = dict(derivatives)
+        self.derivatives: dict[int, Interval] = dict(derivatives)
 
 
 def constant(c: float) -> Jet:

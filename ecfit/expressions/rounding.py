@@ -35,7 +35,9 @@ class Rounded:
     __slots__ = ("error", "order", "value")
 
     def __init__(self, order: float, value: Interval, error: np.ndarray) -> None:
-        self.order, self.value, self.error = order, value, error
+        self.order: float = order
+        self.value: Interval = value
+        self.error: np.ndarray = error
 
 
 class Analysis:

@@ -23,7 +23,7 @@ class BoundedLevenbergMarquardt(optx.LevenbergMarquardt):
         super().__init__(rtol, atol, linear_solver=lx.QR())
         self.most = jnp.asarray(most)
 
-    def terminate(self, fn, y, args, options, state, tags):
+    def terminate(self, fn: Any, y: Any, args: Any, options: Any, state: Any, tags: Any) -> Any:
         """Whether it is over, and how: Optimistix's answer, unless the steps are used up without one."""
         done, result = super().terminate(fn, y, args, options, state, tags)
         late = jnp.invert(done) & (state.num_steps >= self.most)

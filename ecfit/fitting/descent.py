@@ -217,11 +217,14 @@ class Descent:
         guards: Rows,
         guard_columns: list[np.ndarray],
     ) -> None:
-        self.head, self.target, self.guards = head, target, guards
-        self.columns, self.guard_columns = columns, guard_columns
-        self.root_w = np.sqrt(target.weights / target.weights.sum())
+        self.head: Head = head
+        self.target: Target = target
+        self.guards: Rows = guards
+        self.columns: list[np.ndarray] = columns
+        self.guard_columns: list[np.ndarray] = guard_columns
+        self.root_w: np.ndarray = np.sqrt(target.weights / target.weights.sum())
         self.pairs: Pairs | None = None
-        self.pair_weight = 1.0
+        self.pair_weight: float = 1.0
 
     def solve(
         self,

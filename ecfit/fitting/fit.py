@@ -48,7 +48,14 @@ _MODULE_SETTINGS = ("weights", "digits")
 
 
 class Fitter:
-    """Fits forms to one table, and remembers the solutions: each is a start for the next larger form."""
+    """Fits forms to one table, and remembers the solutions: each is a start for the next larger form.
+
+    Args:
+        table: what to approximate.
+        max_steps: bound on the last descent of each fit, as in `ecfit.fit`.
+
+    Raises `EcfitError` for what is no table.
+    """
 
     def __init__(self, table: Table, max_steps: int | None = None) -> None:
         if not isinstance(table, Table):
@@ -58,7 +65,7 @@ class Fitter:
         self._solved: dict[tuple[str, str], tuple[Problem, Solution, int]] = {}
 
     def fit(self, form: Form | eqx.Module, name: str | None = None, **settings: Any) -> Fit:
-        """See `ecfit.fit`."""
+        """Fit one form; arguments, result and errors (`EcfitError`) are those of `ecfit.fit`."""
         _check_finite(self.table)
         if isinstance(form, eqx.Module) and not isinstance(form, Form) and callable(form):
             form = ModuleForm(form)

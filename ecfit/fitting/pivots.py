@@ -19,7 +19,7 @@ class Pivots:
 
     def __init__(self, gram: np.ndarray) -> None:
         self._a = np.array(gram, dtype=np.float64)
-        self.inside = np.zeros(len(gram) - 1, dtype=bool)
+        self.inside: np.ndarray = np.zeros(len(gram) - 1, dtype=bool)
 
     def copy(self) -> "Pivots":
         out = object.__new__(Pivots)

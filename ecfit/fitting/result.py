@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import equinox as eqx
 import numpy as np
 
 from ecfit._jax import jax
@@ -67,18 +68,30 @@ class Fit:
 
     @property
     def terms(self) -> Terms:
+        """Exponents that give the coefficients their meaning. Raises `EcfitError` where it is no quotient."""
         return self.approximation.terms
 
     @property
+    def module(self) -> eqx.Module:
+        """The fitted Equinox module, its arrays the coefficients.
+
+        Raises `EcfitError` where the form is no module.
+        """
+        return self.approximation.module
+
+    @property
     def mae(self) -> float:
+        """Mean absolute error over the finite entries of the table, in the unit of its values."""
         return self.errors.mae
 
     @property
     def rmse(self) -> float:
+        """Root of the mean squared error over the same entries."""
         return self.errors.rmse
 
     @property
     def max_error(self) -> float:
+        """Largest absolute error over the same entries; its place is in `errors`."""
         return self.errors.max_error
 
     @property
@@ -161,7 +174,7 @@ class Fit:
 
         return code(self.approximation, language, **{"evidence": evidence_of(self.to_dict()), **options})
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """A JSON-ready dictionary that `from_dict` reads back."""
         return {
             **self.approximation.to_dict(),

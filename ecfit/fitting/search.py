@@ -93,9 +93,10 @@ class Search:
         price: float = 0.0,
         rounding: float | None = None,
     ) -> None:
-        self.descent, self.strength, self._rounding = descent, strength, rounding
+        self.descent, self._rounding = descent, rounding
+        self.strength: float = strength
         self.best: dict[int, Found] = {}
-        self.fits = 0
+        self.fits: int = 0
         self._operations, self._price = operations, price
         self._means = descent.columns[-1].mean(axis=0)
         self._tried: set[tuple] = set()

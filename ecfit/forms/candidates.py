@@ -46,6 +46,10 @@ class Powers:
                 raise EcfitError(f"the highest exponent of {name} must be in 0..64, got {top!r}")
         if not 0.25 <= self.step <= 64.0:
             raise EcfitError(f"step must be in 0.25..64, got {self.step!r}")
+        for name in ("lowest_order", "highest_order", "factors", "total"):
+            value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                raise EcfitError(f"{name} must be a number, got {value!r}")
         choices = []
         for name in features:
             top = float(self.highest.get(name, 0.0))

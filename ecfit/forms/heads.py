@@ -70,6 +70,9 @@ class Head:
             from 0 by itself.
         limits: exact values at limits, in words.
         fresnel: name of `FRESNELS`.
+
+    Raises `EcfitError` for a text that cannot be read, no factor, and unknown names of features and
+    Fresnel factors.
     """
 
     name: str
@@ -96,6 +99,7 @@ class Head:
 
     @property
     def ratios(self) -> int:
+        """Number of ratios P / Q that the text speaks of."""
         return len(self.factors)
 
     @property

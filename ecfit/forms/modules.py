@@ -34,7 +34,8 @@ def register_form(name: str) -> Callable[[T], T]:
 
     What is decorated is a class, or a function, that makes the module from keyword settings (words, numbers,
     lists and tables of these). See `ModuleForm` for what the module must do. Registering the same name again
-    replaces it (convenient in a notebook), except for a name that ecfit ships.
+    replaces it (convenient in a notebook), except for a name that ecfit ships. Raises `EcfitError` for such a
+    name, for one that is no word, and for what makes no module.
     """
     if not isinstance(name, str) or not _WORD.fullmatch(name):
         raise EcfitError(

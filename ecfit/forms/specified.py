@@ -75,6 +75,9 @@ class Selected(Form):
             limit.
         budgets: all numbers of coefficients that one search is for (the budget by default): forms that
             differ in their budget only share their searches.
+
+    Raises `EcfitError` for unknown names, bounds that leave too few terms for the budget or far too many, and
+    numbers outside their ranges (budget >= 2, rounds >= 0, seeds >= 1, price in [0, 1], rounding in [0, 1)).
     """
 
     whole: Structure = eqx.field(static=True)

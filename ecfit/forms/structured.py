@@ -21,7 +21,7 @@ from ecfit.forms.features import (
     scaled,
     untied,
 )
-from ecfit.forms.heads import HEADS, Head, head, rho_power
+from ecfit.forms.heads import Head, head, rho_power
 from ecfit.forms.nested import nested
 
 # At alpha = mu = 0 the forms are 0 / 0; a cosine of at least this defines them there (E = 1 at alpha = 0).
@@ -65,6 +65,9 @@ class Structure:
         denominator: exponents of the shared Q, shape (terms, features); the first has the coefficient 1.
         charted: whether the value is evaluated in t = alpha / rho, m = mu / rho and rho = alpha + mu, where
             no power of alpha and mu underflows: the same function, also good in half precision.
+
+    Raises `EcfitError` for features that repeat, a number of ratios that is not the head's, and ratios
+    without terms.
     """
 
     head: Head
@@ -130,6 +133,7 @@ class Structure:
 
     @property
     def ratio_orders(self) -> tuple[float, ...]:
+        """Order of each ratio P / Q at the corner alpha = mu = 0."""
         *numerators, denominator = self.group_orders
         return tuple(n - denominator for n in numerators)
 
@@ -254,10 +258,10 @@ class Structure:
             denominator=self.denominator[:, used],
         )
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """A JSON-ready dictionary that `from_dict` reads back."""
         return {
-            "head": head_to_dict(self.head),
+            "head": asdict(self.head),  # whole, whatever its name: files outlive what a name means
             "features": list(self.features),
             "numerators": [n.tolist() for n in self.numerators],
             "denominator": self.denominator.tolist(),
@@ -271,11 +275,6 @@ class Structure:
         numerators = tuple(_exponents(n, features, "numerator") for n in data["numerators"])
         denominator, charted = np.asarray(data["denominator"]), data.get("charted", False)
         return cls(head_from(data["head"]), features, numerators, denominator, charted)
-
-
-def head_to_dict(found: Head) -> Any:
-    """A named head as its name, any other as a mapping."""
-    return found.name if HEADS.get(found.name) is found else asdict(found)
 
 
 def head_from(data: Any) -> Head:

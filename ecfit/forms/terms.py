@@ -85,6 +85,9 @@ class Terms:
     Attributes:
         numerator: int, shape (p, variables).
         denominator: int, shape (q, variables), without the constant; q = 0 for a polynomial.
+
+    Raises `EcfitError` for exponents that are no whole numbers in 0..100 or repeat, and for a constant in
+    the denominator.
     """
 
     numerator: np.ndarray
@@ -115,6 +118,7 @@ class Terms:
 
     @property
     def variables(self) -> int:
+        """Number of variables."""
         return self.numerator.shape[1]
 
     @property

@@ -20,6 +20,8 @@ class Quantity(eqx.Module):
 
     Attributes:
         lobe, transport: names of `ecfit.contract.LOBES` and `TRANSPORTS`.
+
+    Raises `EcfitError` for an unknown lobe or transport.
     """
 
     lobe: str = eqx.field(static=True, default="all")
@@ -53,7 +55,10 @@ class Quantity(eqx.Module):
 
     @abc.abstractmethod
     def estimate(self, model: BSDF, mu: Array, level: int) -> Estimate:
-        """The quantity at one point by the rules of one level (static); mu is ignored where unused."""
+        """The quantity at one point by the rules of one level (static); mu is ignored where unused.
+
+        Raises `EcfitError` for a model without what the quantity is made of (a Fresnel factor, a bounce).
+        """
 
     def estimate_at(self, model: BSDF, point: Mapping[str, Array], level: int) -> Estimate:
         """The quantity at values of its `coordinates`, for those that need others than mu."""

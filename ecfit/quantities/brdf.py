@@ -22,6 +22,8 @@ class Brdf(Quantity):
 
     Attributes:
         cosine: 1 for f mu_i, the radiance that a beam of unit irradiance across itself makes; 0 for f.
+
+    Raises `EcfitError` for a `cosine` other than 0 and 1, and for the transmitted lobe.
     """
 
     cosine: int = eqx.field(static=True, default=0)

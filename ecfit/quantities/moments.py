@@ -50,7 +50,10 @@ class Moment(Quantity):
 
 
 class SchlickB(Moment):
-    """B: the mean of (1 - x)^exponent."""
+    """B: the mean of (1 - x)^exponent.
+
+    Raises `EcfitError` for an exponent outside 1..50.
+    """
 
     exponent: int = eqx.field(static=True, default=5)
 

@@ -21,6 +21,8 @@ class ZonalMoment(CosineIntegral):
 
     Attributes:
         degree: l, 0..32.
+
+    Raises `EcfitError` for a degree outside its range.
     """
 
     # Beyond, the nodes of the lower levels no longer resolve the oscillations of Y_l0.

@@ -86,12 +86,16 @@ def degree_vs_error(name: str, table: Table, fits: Sequence[Fit], published: Pub
                 fit.approximation.count, fit.mae, "D", markersize=8, markerfacecolor="none", linestyle="none",
                 markeredgecolor=COLOURS["other"], label=f"{fit.approximation.name}{_mark(fit)}",
             )  # fmt: skip
+        told: set[str] = set()
         for approximation, errors in published:
             kind = standing(approximation)
+            # Each published one by its name, those of ecfit together: their numbers tell them apart.
+            label = "shipped with ecfit" if kind == "shipped" else _published_label(approximation, table)
             right.plot(
-                approximation.count, errors.mae, MARKERS[kind], color=COLOURS[kind], markersize=11,
-                label=_published_label(approximation, table), linestyle="none",
+                approximation.count, errors.mae, MARKERS[kind], color=COLOURS[kind], linestyle="none",
+                markersize=8 if kind == "shipped" else 11, label=None if label in told else label,
             )  # fmt: skip
+            told.add(label)
         right.set(yscale="log", xlabel="number of coefficients", ylabel="mean absolute error")
         right.set_title(name)
         right.grid(True, which="major", alpha=0.3)

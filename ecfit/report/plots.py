@@ -6,7 +6,7 @@ of ours, published ones or look-up tables.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -186,7 +186,9 @@ def against_cost(axes: Axes, rows: Sequence[Entry], by: By) -> None:
     axes.grid(True, which="major", alpha=0.3)
 
 
-def error_along(axes: Axes, table: Table, approximation: Approximation, v: int, label: str, **style) -> None:
+def error_along(
+    axes: Axes, table: Table, approximation: Approximation, v: int, label: str, **style: Any
+) -> None:
     """Draw the mean and largest absolute error along axis number `v`."""
     error = np.abs(signed_error(approximation, table))
     others = tuple(i for i in range(error.ndim) if i != v)
@@ -222,7 +224,7 @@ def image(axes: Axes, table: Table, cut: np.ndarray, cmap: str, low: float, high
     return mesh
 
 
-def curve(axes: Axes, table: Table, values: np.ndarray, label: str = "", **style) -> None:
+def curve(axes: Axes, table: Table, values: np.ndarray, label: str = "", **style: Any) -> None:
     """Draw a 1D table's array."""
     axes.plot(table.axes[0].nominal, values, label=label, **style)
     axes.set_xlabel(table.axes[0].name)

@@ -62,16 +62,25 @@ def as_written(figure: Figure) -> Figure:
     return figure
 
 
+def _laid_out(figure: Figure) -> None:
+    """Find the places of a figure's parts, once for all formats: that takes longer than drawing.
+
+    Without an engine `savefig` draws once. With one, twice, be it that of `set_layout_engine("none")`,
+    which moves nothing.
+    """
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+        figure.set_layout_engine(None)
+
+
 def rendered(figure: Figure, kind: str) -> bytes:
     """A figure as the bytes of an SVG or PNG file, without dates or versions."""
     buffer = io.BytesIO()
     metadata = {"Date": None, "Creator": None} if kind == "svg" else {"Software": None}
     as_written(figure)
     with look():
-        if figure.get_layout_engine() is not None:
-            # Once for all formats: finding the layout takes longer than drawing.
-            figure.draw_without_rendering()
-            figure.set_layout_engine("none")
+        _laid_out(figure)
         # Images within an SVG are small: they weigh more than all the rest of a report.
         dpi = _SVG_IMAGE_DPI if kind == "svg" else _PNG_DPI
         figure.savefig(buffer, format=kind, metadata=metadata, dpi=dpi)

@@ -84,8 +84,8 @@ def sentences(of: Sequence[Entry]) -> list[str]:
 def _account(entry: Entry) -> str:
     e = entry.errors
     said = (
-        f"Best fit: {entry.name}, {entry.count} coefficients: MAE {e.mae:.2e}, RMSE {e.rmse:.2e}, "
-        f"largest error {e.max_error:.2e}"
+        f"Best fit of the study: {entry.name}, {entry.count} coefficients: MAE {e.mae:.2e}, "
+        f"RMSE {e.rmse:.2e}, largest error {e.max_error:.2e}"
     )
     if entry.furnace is None:
         return f"{said}."

@@ -28,6 +28,7 @@ class TransformedCosine(eqx.Module):
 
     @property
     def determinant(self) -> Array:
+        """Of the matrix that stretches the cosine."""
         return self.c * (self.a - self.b * self.d)
 
     @property

@@ -5,6 +5,9 @@ devices import nothing of ecfit, so that this package may import JAX.
 """
 
 from ecfit.shaders.cases import case as case
+from ecfit.shaders.check import Agreement as Agreement
+from ecfit.shaders.check import Outcome as Outcome
+from ecfit.shaders.check import Report as Report
 from ecfit.shaders.check import check as check
 from ecfit.shaders.check import check_all as check_all
 from ecfit.shaders.devices import NoDevice as NoDevice

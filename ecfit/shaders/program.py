@@ -25,6 +25,8 @@ class Function:
         arguments: how many real numbers it takes, at most `ARGUMENTS`.
         source: its definition, with whatever it needs; "" if another function's source has it.
         call: how it is called with x0, x1, ...; by default with these numbers.
+
+    Raises `EcfitError` for more arguments than a program hands on (4), or none.
     """
 
     name: str

@@ -1,7 +1,6 @@
 """Running a study: tables, then fits, then the report; whatever is finished on disk is not done again."""
 
 import csv
-import hashlib
 import io
 import os
 import time
@@ -16,7 +15,7 @@ from ecfit.approximation.tables import as_lookup, lookup_name
 from ecfit.config import StudyConfig, read_config, to_toml
 from ecfit.display import grid
 from ecfit.errors import EcfitError
-from ecfit.files import clear_parts, make_folder, read_text, write_json, write_text
+from ecfit.files import clear_parts, make_folder, write_json, write_text
 from ecfit.fitting import Fit
 from ecfit.fitting.selection import Choice, front
 from ecfit.metrics import Errors, measure
@@ -24,9 +23,9 @@ from ecfit.progress import Progress
 from ecfit.quadrature import FINE, STATUS
 from ecfit.study.fits import compute_fits, load_fits, missing_fits
 from ecfit.study.plan import Plan, make_plan
+from ecfit.study.provenance import provenance
 from ecfit.study.searches import compute_searches, load_searches
 from ecfit.tables import Given, Request, Table
-from ecfit.tables.tabulate import versions
 from ecfit.workers import check_workers
 
 SUMMARY_COLUMNS = (
@@ -254,7 +253,8 @@ def write_results(study: Study) -> None:
     if study.seconds:
         rows = [(what, f"{seconds:.3f}") for what, seconds in study.seconds.items()]
         write_text(study.folder / "timings.csv", _csv(("what", "wall_seconds"), rows))
-    write_json(study.folder / "provenance.json", _provenance(study))
+    made_of = provenance(study.config.name, study.folder, study.tables)
+    write_json(study.folder / "provenance.json", made_of)
     write_report(study)
 
 
@@ -345,25 +345,3 @@ def _error_cells(errors: Errors) -> tuple[str, str, str]:
 
 def _place(errors: Errors) -> str:
     return " ".join(f"{k}={v:.6g}" for k, v in errors.place.items())
-
-
-def config_hash(folder: Path) -> str:
-    """SHA-256 of the resolved config in a study's folder."""
-    return hashlib.sha256(read_text(folder / "config.toml").encode()).hexdigest()
-
-
-def _provenance(study: Study) -> dict[str, Any]:
-    """What the numbers were made of: versions, and hashes of the config and of every table's numbers."""
-    return {
-        "study": study.config.name,
-        "config": config_hash(study.folder),
-        "versions": versions(),
-        "tables": {
-            name: {
-                "key": table.provenance.get("key", ""),
-                "values": table.digest,
-                "versions": dict(table.provenance),
-            }
-            for name, table in study.tables.items()
-        },
-    }

@@ -21,7 +21,8 @@ from ecfit.forms import Composition, Selected
 from ecfit.metrics import measure, prediction_range
 from ecfit.study.fits import fit_path
 from ecfit.study.plan import Plan, PlannedFit, make_plan
-from ecfit.study.runner import SUMMARY_COLUMNS, config_hash, summary_row, table_path
+from ecfit.study.provenance import config_hash
+from ecfit.study.runner import SUMMARY_COLUMNS, summary_row, table_path
 from ecfit.tables import Given, Request, Table
 from ecfit.tables.scattered import integrate
 

@@ -162,10 +162,12 @@ class Given:
 
     @property
     def grid(self) -> Grid:
+        """Of the table."""
         return self.table.grid
 
     @property
     def contract(self) -> Contract:
+        """Of the table: what is claimed."""
         return self.table.contract
 
     @property

@@ -69,7 +69,7 @@ def given_axes(axes: Any, shape: Sequence[int] | None = None) -> tuple[Axis, ...
         elif isinstance(what, int | np.integer) and not isinstance(what, bool):
             made.append(Axis.spaced(name, int(what), *full_range(name)))
         else:
-            made.append(Axis.given(name, what))
+            made.append(Axis.given(name, what))  # type: ignore[arg-type]
     _check_coordinates(made)
     found = tuple(len(a) for a in made)
     if shape is not None and tuple(shape) != found:

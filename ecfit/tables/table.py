@@ -3,6 +3,7 @@
 import hashlib
 import io
 import json
+import math
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -29,6 +30,9 @@ from ecfit.tables.given import (
 )
 
 _FORMAT = "ecfit-table-1"
+# Bytes of unpacked parts: text has four a character, and an axis of a million nodes has eight million.
+_MOST_HEADER, _MOST_NODES = 4_000_000, 8_000_000
+_NPY_HEADER = 1_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +47,8 @@ class Table:
         contract: the conventions that give the values their meaning.
         tolerance: the absolute error that was asked for; NaN where nobody asked.
         provenance: versions and the key of the request; of a given table, its source and key.
+
+    Raises `EcfitError` where values, errors or status have not the shape of the axes.
     """
 
     values: np.ndarray
@@ -116,10 +122,12 @@ class Table:
 
     @property
     def grid(self) -> Grid:
+        """The axes as a grid."""
         return Grid(self.axes)
 
     @property
     def names(self) -> tuple[str, ...]:
+        """Names of the axes, in the order of the dimensions of `values`."""
         return self.grid.names
 
     @property
@@ -164,8 +172,16 @@ class Table:
             )
         for status, count in self.counts().items():
             if status not in FINE and count:
-                lines.append(f"WARNING: {count} entries: {STATUS[status]}")
+                lines.append(f"WARNING: {count} entries: {STATUS[status]}{self._worst(status)}")
         return lines + [f"WARNING: {remark}" for remark in self.remarks()]
+
+    def _worst(self, status: Status) -> str:
+        """Where the entry of a status with the largest error estimate is, or the first, in words."""
+        found = np.flatnonzero(self.status == status)
+        errors = self.errors.ravel()[found]
+        first = found[:1] if np.isnan(errors).all() else found[[np.nanargmax(errors)]]
+        place = ", ".join(f"{name} = {x[0]:.4g}" for name, x in self.grid.nodes_at(first).items())
+        return f", {'the worst' if found.size > 1 else 'it is'} at {place}"
 
     def __repr__(self) -> str:
         size = " x ".join(f"{a.name} {len(a)}" for a in self.axes)
@@ -212,14 +228,14 @@ class Table:
             raise EcfitError(f"cannot read '{path}': {error.strerror or error}") from None
         try:
             with np.load(io.BytesIO(data), allow_pickle=False) as file:
-                header = json.loads(str(file["header"]))
+                header = json.loads(str(_unpacked(file, "header", _MOST_HEADER)))
                 if header["format"] != _FORMAT:
                     raise EcfitError(f"'{path}' is not an ecfit table of format {_FORMAT}")
                 axes = tuple(
                     Axis(
                         a["name"],
-                        file[f"nodes_{i}"],
-                        file[f"nominal_{i}"],
+                        _unpacked(file, f"nodes_{i}", _MOST_NODES),
+                        _unpacked(file, f"nominal_{i}", _MOST_NODES),
                         a["spacing"],
                         a["through"],
                         float(a["low"]),
@@ -227,10 +243,11 @@ class Table:
                     )
                     for i, a in enumerate(header["axes"])
                 )
+                room = 8 * math.prod(map(len, axes)) + _NPY_HEADER
                 return cls(
-                    file["values"],
-                    file["errors"],
-                    file["status"],
+                    _unpacked(file, "values", room),
+                    _unpacked(file, "errors", room),
+                    _unpacked(file, "status", room),
                     axes,
                     Contract.from_dict(header["contract"]),
                     np.nan if header["tolerance"] is None else float(header["tolerance"]),
@@ -245,3 +262,11 @@ class Table:
             raise EcfitError(
                 f"'{path}' is damaged or not an ecfit table: delete it and run again to recompute it"
             ) from None
+
+
+def _unpacked(file: Any, name: str, most: int) -> np.ndarray:
+    """A member of an open archive, which may unpack to far more than the file (zeros by the gigabyte)."""
+    size = file.zip.getinfo(f"{name}.npy").file_size
+    if size > most:
+        raise EcfitError(f"'{name}' has {size} bytes unpacked, at most {most} belong there")
+    return file[name]

@@ -3,8 +3,11 @@
 import hashlib
 import inspect
 import json
+import platform
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -54,7 +57,11 @@ def default_range(
 
 @dataclass(frozen=True)
 class Request:
-    """A table to be computed: everything that determines its values. Validates on construction."""
+    """A table to be computed: everything that determines its values. Validates on construction.
+
+    Raises `EcfitError` for a tolerance outside (0, 1), axes outside the model's domain, and ones that the
+    quantity lacks or ignores.
+    """
 
     model: BSDF
     grid: Grid
@@ -100,7 +107,7 @@ class Request:
         tolerance: float = 1e-7,
         quantity_options: Mapping[str, int] | None = None,
     ) -> "Request":
-        """Resolve names and axis counts; see `tabulate` for the arguments."""
+        """Resolve names and axis counts; arguments and errors (`EcfitError`) are those of `tabulate`."""
         bsdf = as_model(model)
         quantity_ = quantity(quantity_name, lobe, transport, **(quantity_options or {}))
         if not isinstance(axes, Mapping) or not axes:
@@ -272,10 +279,12 @@ def source_hash(cls: Any) -> str:
 
 
 def versions() -> dict[str, str]:
-    """Versions of what computes numbers."""
-    from importlib.metadata import version
-
-    return {name: version(name) for name in ("ecfit", "jax", "numpy", "optimistix")}
+    """Versions of Python and of the packages that compute numbers, of those that are installed."""
+    found = {}
+    for name in ("ecfit", "equinox", "jax", "jaxlib", "lineax", "numpy", "optimistix", "scipy"):
+        with suppress(PackageNotFoundError):
+            found[name] = version(name)
+    return {**found, "python": platform.python_version()}
 
 
 def tabulate(

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ecfit.config import key_lines, to_toml
+from ecfit.config.toml import deepest_key
 
 TEXT = '''# [[not]] = "a header"
 name = "a = [b] # c"
@@ -70,3 +71,19 @@ def test_every_top_level_key_has_a_line(data: dict):
     lines = key_lines(to_toml(data))
     for key in data:
         assert (key,) in lines
+
+
+@pytest.mark.parametrize(
+    ("text", "parts"),
+    [
+        ("", 0),
+        ("a = 1", 1),
+        ('a."b.c" . d = 1', 3),
+        ("[a.b]\nc = [0.5, 0.25]", 2),
+        ("a = '1.2.3.4.5' # x.y.z", 1),
+        ("x = { a.b.c.d = 1 }", 4),
+        ("..a..b", 2),
+    ],
+)
+def test_parts_of_the_deepest_key(text: str, parts: int):
+    assert deepest_key(text) == parts

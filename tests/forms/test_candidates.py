@@ -60,6 +60,8 @@ def test_a_choice_that_outgrows_its_factor_is_refused():
     [
         (Powers({"mou": 3}), "highest names 'mou', which is not among the features alpha, mu, r"),
         (Powers({"mu": -1}), "highest exponent of mu must be in 0..64"),
+        (Powers({"mu": 3}, total=[0, 3]), r"total must be a number, got \[0, 3\]"),
+        (Powers({"mu": 3}, lowest_order="1"), "lowest_order must be a number, got '1'"),
         (Powers({"mu": "3"}), "highest exponent of mu must be in 0..64, got '3'"),
         (Powers({"mu": float("inf")}), "0..64"),
         (Powers({"mu": 3}, step=0.0), "step must be in 0.25..64, got 0.0"),

@@ -1,6 +1,8 @@
 """Heads: the chart sees the same function, what is taken out of the deficit is put back, limits are exact."""
 
+import pickle
 import re
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ from ecfit.errors import EcfitError
 from ecfit.expressions import const, value, var
 from ecfit.forms.features import FEATURES, monomial, scaled
 from ecfit.forms.heads import FRESNELS, HEADS, Head, head
-from ecfit.forms.structured import head_from, head_to_dict
+from ecfit.forms.structured import Structure, head_from
 
 RNG = np.random.default_rng(2)
 N = 300
@@ -143,17 +145,20 @@ def test_a_head_of_ones_own():
     assert found.features == ("alpha",)
     whole, (deficit,) = charted(found)
     np.testing.assert_allclose(value(deficit, CHART), 1.0 - value(whole, CHART), atol=1e-13)
-    again = head_from(head_to_dict(found))
-    assert head_to_dict(again) == head_to_dict(found)
+    assert asdict(head_from(asdict(found))) == asdict(found)
     assert head_from(found) is found
     assert head_from("corner") is HEADS["corner"]
-    assert head_to_dict(HEADS["corner"]) == "corner"
 
 
-def test_a_head_that_only_has_the_name_of_ours_is_written_out():
+def test_heads_are_written_out_whole_in_every_process():
+    """One with the name of ours is not ours; and ours that came to a worker, as a copy, is written alike."""
     mine = head_from({"name": "corner", "factors": [{}], "text": "X"})
-    assert head_to_dict(mine)["text"] == "X"
-    assert head_from(head_to_dict(mine)).text == "X"
+    assert asdict(head_from(asdict(mine))) == asdict(mine) != asdict(HEADS["corner"])
+    here = Structure.from_dict(
+        {"head": "corner", "features": ["mu"], "numerators": [[[1.0]]], "denominator": [[0.0]]}
+    )
+    assert here.to_dict() == pickle.loads(pickle.dumps(here)).to_dict()
+    assert here.to_dict()["head"]["text"] == HEADS["corner"].text
 
 
 @pytest.mark.parametrize(

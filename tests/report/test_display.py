@@ -62,7 +62,7 @@ def test_an_approximation_says_what_of_and_where():
 def test_a_study_shows_its_verdict_and_its_fits(solid):
     study = solid
     assert repr(study).startswith("<Study page: 1 tables, 2 fits, in ")
-    assert "Best fit: polynomial 2" in str(study)
+    assert "Best fit of the study: polynomial 2" in str(study)
     page = study._repr_html_()
     ElementTree.fromstring(page)
     assert page.count("<tr>") == 3

@@ -1,5 +1,7 @@
 """Plots: each on the axes that it is given, which it returns, showing the numbers of the table."""
 
+import dataclasses
+
 import matplotlib
 import numpy as np
 import pytest
@@ -100,6 +102,7 @@ def test_error_against_cost_has_fits_published_and_tables(axes, table, fit, by):
     other = ecfit.Table(table.values + 0.01, table.errors, table.status, table.axes, table.contract, 1e-8)
     lookup = ecfit.Approximation.lookup(other)
     worse = fit.approximation.with_quotient(values=fit.approximation.coefficients + 0.1)
+    worse = dataclasses.replace(worse, source="a paper")
     plot_error_against_cost(table, [fit, worse, lookup], by=by, axes=axes)
     lines = {line.get_label(): line for line in axes.get_lines()}
     tables = ["look-up tables"] if by == "coefficients" else []  # they fetch, and do not calculate

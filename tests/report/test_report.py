@@ -31,10 +31,11 @@ def test_every_figure_draws_tables_of_one_to_three_dimensions(make_smooth, count
     assert rendered(figure, "png").startswith(b"\x89PNG")
 
 
-def test_figures_are_byte_identical(make_smooth):
+@pytest.mark.parametrize("kind", ["svg", "png"])
+def test_figures_are_byte_identical(make_smooth, kind: str):
     table = make_smooth(9, 8)
     fits = [ecfit.fit(table, ecfit.Polynomial(1))]
-    once, twice = (rendered(report.error_maps("t", table, fits), "svg") for _ in range(2))
+    once, twice = (rendered(report.error_maps("t", table, fits), kind) for _ in range(2))
     assert once == twice
 
 

@@ -60,7 +60,7 @@ def test_words_name_the_fit_its_furnace_and_the_published_rival(table):
     fit = ecfit.fit(table, ecfit.Polynomial(3))
     printed = plain("printed", 0.5, 0.35, 0.0, 0.0)
     said = sentences(entries(table, [fit], [(printed, measure(printed, table))]))
-    assert said[0].startswith("Best fit: polynomial 3, 4 coefficients: MAE ")
+    assert said[0].startswith("Best fit of the study: polynomial 3, 4 coefficients: MAE ")
     assert "a white furnace normalised with it deviates by" in said[0]
     assert said[1].startswith("Of published approximations printed, 4 numbers, comes nearest: RMSE")
     assert "polynomial 3 (4) has one" in said[1]

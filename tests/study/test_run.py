@@ -2,8 +2,12 @@
 
 import csv
 import dataclasses
+import hashlib
 import json
+import os
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -97,6 +101,23 @@ def test_running_again_computes_nothing_and_changes_no_byte(finished):
     again = ecfit.run(config, results)
     assert again.seconds == {}
     assert files(results) == before
+
+
+def test_another_process_writes_the_same_bytes(finished, tmp_path: Path):
+    """All files: tables, coefficients, figures, pages. Times are in `timings.csv` only."""
+    config, results, _ = finished
+    program = "import sys, ecfit; ecfit.run(sys.argv[1], sys.argv[2])"
+    subprocess.run(
+        [sys.executable, "-c", program, str(config), str(tmp_path / "elsewhere" / "results")],
+        check=True,
+        env={**os.environ, "PYTHONHASHSEED": "1", "TZ": "Asia/Tokyo", "HOME": str(tmp_path)},
+    )
+    first, again = files(results), files(tmp_path / "elsewhere" / "results")
+    assert {Path(name).suffix for name in first} == {
+        ".csv", ".html", ".json", ".md", ".npz", ".svg", ".toml"
+    }  # fmt: skip
+    assert [name for name in first if again.get(name) != first[name]] == []
+    assert again.keys() == first.keys()
 
 
 @pytest.mark.usefixtures("no_report")
@@ -279,8 +300,14 @@ def test_a_users_model_goes_through_a_study(tmp_path: Path):
     assert "ward" in (study.folder / "summary.csv").read_text()
 
 
-def test_provenance_names_versions_and_tables(finished):
+def test_provenance_names_versions_hashes_and_the_machine(finished):
     _, results, study = finished
     data = json.loads((results / "small" / "provenance.json").read_text())
-    assert data["tables"]["e"]["key"] == study.tables["e"].provenance["key"]
-    assert {"ecfit", "jax", "numpy", "optimistix"} <= set(data["versions"])
+    table = data["tables"]["e"]
+    assert table["key"] == study.tables["e"].provenance["key"]
+    assert table["values"] == study.tables["e"].digest
+    for versions in (data["versions"], table["versions"]):
+        assert not {"ecfit", "equinox", "jax", "jaxlib", "lineax", "numpy", "python"} - set(versions)
+    assert data["config"] == hashlib.sha256((results / "small" / "config.toml").read_bytes()).hexdigest()
+    assert set(data["machine"]) == {"system", "instructions", "xla_flags"}
+    assert data["machine"]["xla_flags"] == os.environ.get("XLA_FLAGS", "")

@@ -261,6 +261,12 @@ def test_the_description_warns_of_what_did_not_converge(table):
     assert "3 x 4 entries of directional-albedo" in text
     assert "WARNING: 1 entries: the finest rule's error estimate exceeds the tolerance" in text
     assert "WARNING: 2 entries: the integral is NaN or infinite" in text
+    where = [line.partition(", ")[2] for line in table.describe() if "WARNING" in line]
+    for words, status in zip(where, (Status.TOLERANCE_NOT_MET, Status.NOT_FINITE), strict=True):
+        found = np.flatnonzero(table.status == status)
+        places = [", ".join(f"{n} = {x[0]:.4g}" for n, x in table.grid.nodes_at(found[[i]]).items()) for i in
+                  range(found.size)]  # fmt: skip
+        assert words in [f"{'it is' if found.size == 1 else 'the worst'} at {place}" for place in places]
     counts = {Status.CONVERGED: 9, Status.TOLERANCE_NOT_MET: 1, Status.NOT_FINITE: 2, Status.GIVEN: 0}
     assert table.counts() == counts
     np.testing.assert_array_equal(table.usable, np.isfinite(table.values))
