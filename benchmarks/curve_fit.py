@@ -31,8 +31,8 @@ import numpy as np
 from common import Timing, peak_memory, timed
 
 import ecfit
-from ecfit._spawn import ONE_THREAD
 from ecfit.coordinates import Grid
+from ecfit.workers import ONE_THREAD
 
 Array = np.ndarray
 DEGREE = 3

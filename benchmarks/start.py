@@ -101,7 +101,7 @@ def study(name: str, folder: Path, times: int) -> list[Row]:
     empty = [once(f"empty-{n}", cache) for n, cache in enumerate(caches)]
     filled = [once(f"filled-{n}", cache) for n, cache in enumerate(caches)]
     label = f"ecfit run {name}.toml"
-    return [Row(label, "not kept", off), Row(label, "kept, none yet", empty), Row(label, "there", filled)]
+    return [Row(label, "not kept", off), Row(label, "kept, none yet", empty), Row(label, "found", filled)]
 
 
 def saving(rows: Sequence[Row]) -> str:
@@ -113,7 +113,7 @@ def saving(rows: Sequence[Row]) -> str:
         )
         more = f"{abs(empty - off):.1f} s {'longer' if empty >= off else 'shorter'}"
         said.append(
-            f"- `{command}`: code that is there saves {off - filled:.1f} s ({1 - filled / off:.0%}); "
+            f"- `{command}`: code that is found saves {off - filled:.1f} s ({1 - filled / off:.0%}); "
             f"keeping it makes the first run {more}."
         )
     return "\n".join(said)

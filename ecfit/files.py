@@ -6,6 +6,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
@@ -97,3 +98,28 @@ def read_json(path: Path) -> Any:
         raise EcfitError(f"'{path}' is not valid JSON: {error}") from None
     except ValueError:  # Python reads no longer ones
         raise EcfitError(f"'{path}' is not valid JSON: a whole number of thousands of digits") from None
+
+
+@dataclass(frozen=True)
+class Carried:
+    """A file that goes along with a task: pickled, it is its bytes, for a worker that has none of our disks.
+
+    Attributes:
+        path: where it is, or was; messages name it.
+        content: its bytes, where it has been pickled.
+    """
+
+    path: Path
+    content: bytes | None = None
+
+    def read(self) -> bytes:
+        """The bytes of the file; raises `EcfitError` where it cannot be read."""
+        if self.content is not None:
+            return self.content
+        try:
+            return self.path.read_bytes()
+        except OSError as error:
+            raise EcfitError(f"cannot read '{self.path}': {error.strerror or error}") from None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Carried, (self.path, self.read())

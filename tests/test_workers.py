@@ -1,7 +1,6 @@
 """Worker processes: order, errors, death, interrupts, and one compute thread."""
 
 import os
-import pickle
 import signal
 import subprocess
 import sys
@@ -27,7 +26,7 @@ from worker_tasks import (
 )
 
 import ecfit
-from ecfit.workers import AGAIN, ONE_THREAD, check_workers, run_tasks, usable_cpus
+from ecfit.workers import AGAIN, ONE_THREAD, Local, check_workers, run_tasks, usable_cpus
 
 
 def one_thread(environment: pytest.MonkeyPatch) -> None:
@@ -68,7 +67,7 @@ def test_results_are_in_the_order_of_the_tasks_and_told_in_that_of_time():
     found = run_tasks(
         slow_square,
         range(5),
-        workers=2,
+        engine=Local(2),
         finished=lambda i, r: finished.append((i, r)),
         heard=heard.append,
     )
@@ -79,18 +78,18 @@ def test_results_are_in_the_order_of_the_tasks_and_told_in_that_of_time():
 
 def test_a_process_of_one_thread_needs_no_other_for_one_worker(monkeypatch: pytest.MonkeyPatch):
     many_threads(monkeypatch)
-    (other,) = run_tasks(process_of, [0], workers=1)
+    (other,) = run_tasks(process_of, [0], engine=Local(1))
     assert other != os.getpid()
     one_thread(monkeypatch)
-    assert run_tasks(process_of, [0, 1], workers=1) == [os.getpid()] * 2
-    assert os.getpid() not in run_tasks(process_of, [0, 1], workers=2)
+    assert run_tasks(process_of, [0, 1], engine=Local(1)) == [os.getpid()] * 2
+    assert os.getpid() not in run_tasks(process_of, [0, 1], engine=Local(2))
 
 
 @pytest.mark.parametrize("here", [False, True])
 def test_the_most_expensive_task_begins_first(here: bool, monkeypatch: pytest.MonkeyPatch):
     (one_thread if here else many_threads)(monkeypatch)
     heard: list[Any] = []
-    assert run_tasks(slow_square, [1, 2, 3], workers=1, costs=[5.0, 9.0, 7.0], heard=heard.append) == [
+    assert run_tasks(slow_square, [1, 2, 3], engine=Local(1), costs=[5.0, 9.0, 7.0], heard=heard.append) == [
         1,
         4,
         9,
@@ -99,29 +98,29 @@ def test_the_most_expensive_task_begins_first(here: bool, monkeypatch: pytest.Mo
 
 
 def test_no_tasks_are_no_work():
-    assert run_tasks(refuse, [], workers=4) == []
+    assert run_tasks(refuse, [], engine=Local(4)) == []
 
 
 def test_an_error_of_a_task_is_raised_here():
     with pytest.raises(ecfit.EcfitError, match=r"^one is not allowed$"):
-        run_tasks(refuse, [0, 1, 2], workers=2)
+        run_tasks(refuse, [0, 1, 2], engine=Local(2))
 
 
 def test_after_an_error_no_task_begins(tmp_path: Path):
     with pytest.raises(ValueError, match="zero"):
-        run_tasks(leave_a_mark, [(i, tmp_path) for i in range(6)], workers=2)
+        run_tasks(leave_a_mark, [(i, tmp_path) for i in range(6)], engine=Local(2))
     assert list(tmp_path.iterdir()) == []
 
 
 def test_what_a_worker_cannot_find_is_told():
-    with pytest.raises((pickle.PicklingError, AttributeError), match="local"):
-        run_tasks(lambda x: x, [1, 2], workers=2)
+    with pytest.raises(ecfit.EcfitError, match=r"^task 1 cannot be sent to a worker: .*local.*in a module"):
+        run_tasks(lambda x: x, [1, 2], engine=Local(2))
 
 
 def test_a_killed_worker_is_replaced_and_its_task_run_again(tmp_path: Path):
     tasks = [(0, None), (1, tmp_path / "mark"), *[(i, None) for i in range(2, 6)]]
     heard: list[int] = []
-    assert run_tasks(die_once, tasks, workers=2, heard=heard.append) == list(range(6))
+    assert run_tasks(die_once, tasks, engine=Local(2), heard=heard.append) == list(range(6))
     assert heard == [1]  # what it said before it died is not lost
 
 
@@ -132,7 +131,7 @@ def test_a_task_that_always_kills_its_worker_is_an_error_and_others_are_done(tmp
         run_tasks(
             die,
             [None, tmp_path / "marks", None],
-            workers=2,
+            engine=Local(2),
             names=["the fit of a", "the fit of b", "the fit of c"],
             finished=lambda index, _: finished.append(index),
         )
@@ -143,7 +142,7 @@ def test_a_task_that_always_kills_its_worker_is_an_error_and_others_are_done(tmp
 def test_a_worker_has_one_compute_thread_and_this_process_keeps_its_own(monkeypatch: pytest.MonkeyPatch):
     many_threads(monkeypatch)
     before = dict(os.environ)
-    (found,) = run_tasks(look_around, [0], workers=1)
+    (found,) = run_tasks(look_around, [0], engine=Local(1))
     assert dict(os.environ) == before
     assert not found["loaded"]  # the threads are set before anything reads them
     assert found["threads"] == ONE_THREAD
@@ -151,10 +150,10 @@ def test_a_worker_has_one_compute_thread_and_this_process_keeps_its_own(monkeypa
 
 
 def test_every_worker_is_prepared():
-    found = run_tasks(remembered, range(4), workers=2, prepare=partial(remember, "here"))
+    found = run_tasks(remembered, range(4), engine=Local(2), prepare=partial(remember, "here"))
     assert found == ["here"] * 4
     with pytest.raises(ecfit.EcfitError, match=r"plugin 'x.py' failed to import"):
-        run_tasks(remembered, range(4), workers=2, prepare=fail_to_prepare)
+        run_tasks(remembered, range(4), engine=Local(2), prepare=fail_to_prepare)
 
 
 def test_an_interrupt_ends_the_workers_and_begins_no_task(tmp_path: Path):
@@ -170,7 +169,7 @@ def test_an_interrupt_ends_the_workers_and_begins_no_task(tmp_path: Path):
     thread.start()
     started = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
-        run_tasks(wait_long, marks, workers=2)
+        run_tasks(wait_long, marks, engine=Local(2))
     thread.join()
     assert time.monotonic() - started < 30.0
     assert gone([int(m.read_text()) for m in marks[:2]])
@@ -182,8 +181,8 @@ import sys
 from pathlib import Path
 sys.path.insert(0, {tests!r})
 from worker_tasks import {function}
-from ecfit.workers import run_tasks
-print(run_tasks({function}, {tasks}, workers=2))
+from ecfit.workers import Local, run_tasks
+print(run_tasks({function}, {tasks}, engine=Local(2)))
 """
 
 
@@ -201,7 +200,7 @@ def test_a_script_without_a_guard_is_not_run_again_in_the_workers(tmp_path: Path
 
 def test_a_function_of_the_script_is_refused_with_the_remedy(tmp_path: Path):
     path = script(tmp_path, "refuse", "[0]")
-    path.write_text(path.read_text() + "def f(x): return x\nrun_tasks(f, [1, 2], workers=2)\n")
+    path.write_text(path.read_text() + "def f(x): return x\nrun_tasks(f, [1, 2], engine=Local(2))\n")
     done = subprocess.run([sys.executable, path], capture_output=True, text=True)
     assert "EcfitError: a worker process cannot load its task" in done.stderr
     assert "in a module or plugin" in done.stderr

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ecfit.errors import EcfitError
-from ecfit.workers import ONE_THREAD, tell
+from ecfit.workers import ONE_THREAD, keep, shared, tell
 
 
 def slow_square(x: int) -> int:
@@ -92,3 +92,28 @@ def fail_to_prepare() -> None:
 def wait_long(marker: Path) -> None:
     marker.write_text(str(os.getpid()))
     time.sleep(60.0)
+
+
+def keep_twice(path: Path) -> bool:
+    """Keeps two files; the first call then kills its process where there is a place for the marker."""
+    keep(path / "a.json", {"x": 0.1 + 0.2})
+    keep(path / "b.json", [1, float("nan")])
+    tell("kept")
+    marker = path / "died"
+    if not marker.exists():
+        marker.write_text("")
+        time.sleep(0.5)  # what it said leaves this process every few milliseconds
+        os.kill(os.getpid(), signal.SIGKILL)
+    return shared()
+
+
+def tell_for_long(marker: Path) -> None:
+    """As a long fit: it ends early only where it is refused to go on."""
+    marker.write_text("begun")
+    try:
+        for step in range(600):
+            tell(step)
+            time.sleep(0.1)
+    except Exception as error:
+        marker.write_text(type(error).__name__)
+        raise

@@ -29,6 +29,7 @@ def run(
     *,
     results: Annotated[Path, Parameter(help="Folder for all studies.")] = Path("results"),
     workers: int | None = None,
+    scheduler: str | None = None,
 ) -> None:
     """Run a study: tables, fits and report. Finished parts are kept; running again resumes.
 
@@ -38,6 +39,8 @@ def run(
         The study's TOML file.
     workers
         Processes that fit at most, a table each; by default the processors that may be used.
+    scheduler
+        The address of a Dask scheduler, tcp://host:8786: its workers search and fit instead.
     """
     from ecfit.config import read_config
     from ecfit.workers import check_workers
@@ -46,7 +49,7 @@ def run(
     read_config(config)  # a fault in the file is told before JAX takes its second to load
     from ecfit import study
 
-    done = study.run(config, results, workers=workers, progress=bars())
+    done = study.run(config, results, workers=workers, scheduler=scheduler, progress=bars())
     for warning in done.warnings():
         say(f"WARNING: {warning}")
     for name, fits in done.fits.items():

@@ -1,13 +1,26 @@
 """What a command says beside its answer, which goes to stdout: progress and warnings."""
 
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from datetime import timedelta
 from typing import Any
 
+# Seconds between two lines of progress where there is no terminal, as in the log of a night.
+LINES = 60.0
+# The time that is left comes from the steps of this many seconds: of all, since a fit may take an hour, and
+# with rich's 30 seconds there would be no estimate between two of them. What was on disk is one step, the
+# first, which rich leaves out.
+_MEMORY = 1e9
 
-def bars() -> Any:
-    """Progress bars on the terminal (one line where there is none)."""
+
+def bars(now: Callable[[], float] = time.monotonic) -> Any:
+    """Progress bars with the time that is left; without a terminal, a line a minute and one at the end.
+
+    Args:
+        now: the clock, in seconds.
+    """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -20,9 +33,21 @@ def bars() -> Any:
                 MofNCompleteColumn(),
                 TimeRemainingColumn(),
             )
-            with Progress(*columns, console=Console(stderr=True)) as progress:
-                task = progress.add_task(title, total=total)
-                yield lambda steps: progress.advance(task, steps)
+            console = Console(stderr=True)
+            with Progress(*columns, console=console, speed_estimate_period=_MEMORY, get_time=now) as progress:
+                progress.add_task(title, total=total)
+                (task,) = progress.tasks
+                said = now()
+
+                def advance(steps: int) -> None:
+                    nonlocal said
+                    progress.advance(task.id, steps)
+                    left = task.time_remaining
+                    if not console.is_terminal and left and now() - said >= LINES:
+                        said = now()
+                        say(f"{title}: {task.completed:.0f} of {total}, {timedelta(seconds=int(left))} left")
+
+                yield advance
 
     return Bars()
 

@@ -2,23 +2,23 @@
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 from ecfit.approximation.compose import compose
 from ecfit.errors import EcfitError
-from ecfit.files import read_json, write_json
+from ecfit.files import Carried, read_json
 from ecfit.fitting import Fit, Fitter
 from ecfit.fitting.result import judged
 from ecfit.fitting.structured import closed_domain, within_budget
 from ecfit.forms import Composition, Selected
 from ecfit.study.plan import Plan, PlannedFit
-from ecfit.study.plugins import load_plugins
+from ecfit.study.plugins import load_read
 from ecfit.study.searches import found_for
 from ecfit.tables import Table
 from ecfit.tables.tabulate import versions
-from ecfit.workers import run_tasks, tell
+from ecfit.workers import Engine, keep, run_tasks, shared, tell
 
 
 def fit_path(planned: PlannedFit, folder: Path) -> Path:
@@ -56,9 +56,12 @@ def load_fits(plan: Plan, folder: Path) -> dict[str, list[Fit]]:
 
 @dataclass(frozen=True)
 class TableFits:
-    """What one worker does: forms to fit to one table, in order, since each helps the next larger one."""
+    """A task of a worker: forms to fit to one table, in order, since each helps the next larger one.
 
-    table: Path
+    It has all that it needs with it, so that the worker may be a machine without our disks.
+    """
+
+    table: Carried
     folder: Path
     fits: tuple[PlannedFit, ...]
     cost: float
@@ -66,23 +69,21 @@ class TableFits:
 
 def compute_fits(
     plan: Plan,
-    base: Path,
     folder: Path,
     tables: Mapping[str, Path],
     seconds: dict[str, float],
     advance: Callable[[int], None],
-    workers: int,
+    engine: Engine,
 ) -> None:
     """Compute the fits that are not on disk yet, tables side by side.
 
     Args:
         plan: the study.
-        base: where its plugins are.
         folder: of its results.
         tables: files of its tables, by name.
         seconds: given `fit label` -> wall seconds of what was computed.
         advance: called with the number of fits that were found or finished since the last call.
-        workers: processes at most.
+        engine: does them.
 
     Raises `EcfitError` as `ecfit.fit` does; other fits keep their files.
     """
@@ -90,9 +91,11 @@ def compute_fits(
     tasks = []
     for name, path in tables.items():
         own = [planned for planned in missing if planned.table == name]
-        fits = tuple(planned for planned in own if not isinstance(planned.form, Composition))
+        fits = tuple(_chosen(f, folder) for f in own if not isinstance(f.form, Composition))
         if fits:
-            tasks.append(TableFits(path, folder, fits, _cost(fits, len(plan.requests[name].grid.axes))))
+            tasks.append(
+                TableFits(Carried(path), folder, fits, _cost(fits, len(plan.requests[name].grid.axes)))
+            )
     took: dict[str, float] = {}
     advance(len(plan.fits) - len(missing))
 
@@ -103,11 +106,11 @@ def compute_fits(
     run_tasks(
         _fit_table,
         tasks,
-        workers=workers,
+        engine=engine,
         costs=[task.cost for task in tasks],
         names=[f"fits of table '{task.fits[0].table}'" for task in tasks],
         heard=heard,
-        prepare=partial(load_plugins, plan.config.plugins, base.resolve()),
+        prepare=partial(load_read, plan.plugins),
     )
     for planned in missing:
         if isinstance(planned.form, Composition):
@@ -139,26 +142,31 @@ def _cost(fits: tuple[PlannedFit, ...], variables: int) -> float:
 
 def _fit_table(task: TableFits) -> None:
     """Compute the fits of one table; each is written, then told, as soon as it is finished."""
-    fitter = Fitter(Table.load(task.table))
+    fitter = Fitter(Table.from_bytes(task.table.read(), task.table.path))
     for planned in task.fits:
         # Finished already where a worker died over this task; its time was told then.
-        if stored_fit(planned, task.folder) is None:
-            started = time.perf_counter()
-            _fit(fitter, planned, task.folder)
-            tell((planned.label, time.perf_counter() - started))
+        if shared() and stored_fit(planned, task.folder) is not None:
+            continue
+        started = time.perf_counter()
+        try:
+            fit = fitter.fit(planned.form, planned.name, **planned.settings)
+        except EcfitError as error:
+            raise EcfitError(f"fit '{planned.label}': {error}") from None
+        _write(planned, fit, fitter.table, task.folder)
+        tell((planned.label, time.perf_counter() - started))
 
 
-def _fit(fitter: Fitter, planned: PlannedFit, folder: Path) -> None:
-    form = planned.form
-    if isinstance(form, Selected):
-        form = within_budget(form, found_for(planned, folder))
+def _chosen(planned: PlannedFit, folder: Path) -> PlannedFit:
+    """The fit with the terms that its searches found, where it has any."""
+    if not isinstance(planned.form, Selected):
+        return planned
+    found = found_for(planned, folder)
     try:
-        fit = fitter.fit(form, planned.name, **planned.settings)
+        return replace(planned, form=within_budget(planned.form, found))
     except EcfitError as error:
         raise EcfitError(f"fit '{planned.label}': {error}") from None
-    _write(planned, fit, fitter.table, folder)
 
 
 def _write(planned: PlannedFit, fit: Fit, table: Table, folder: Path) -> None:
     provenance = {**versions(), "table": str(table.provenance.get("key", ""))}
-    write_json(fit_path(planned, folder), {"key": planned.key, **fit.to_dict(), "provenance": provenance})
+    keep(fit_path(planned, folder), {"key": planned.key, **fit.to_dict(), "provenance": provenance})

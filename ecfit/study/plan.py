@@ -18,7 +18,7 @@ from ecfit.fitting.fit import check_asked, check_data
 from ecfit.forms import Composition, Form, Selected, form
 from ecfit.forms.modules import factory_of
 from ecfit.quantities import quantity
-from ecfit.study.plugins import load_plugins
+from ecfit.study.plugins import Plugin, load_plugins
 from ecfit.tables import Given, Request, claim, read_table
 from ecfit.tables.given import full_range
 from ecfit.tables.tabulate import default_range, source_hash
@@ -68,7 +68,8 @@ class PlannedSearch:
 class Plan:
     """A checked study: requests (or given tables) by name, fits and searches in order.
 
-    What is judged beside our fits is by table: published fits, and requests of look-up tables.
+    What is judged beside our fits is by table: published fits, and requests of look-up tables. `plugins` are
+    the user's modules, which workers load too.
     """
 
     config: StudyConfig
@@ -77,6 +78,7 @@ class Plan:
     searches: tuple[PlannedSearch, ...]
     compare: dict[str, tuple[Approximation, ...]]
     lookups: dict[str, tuple[Request, ...]]
+    plugins: tuple[Plugin, ...] = ()
 
 
 def _axis(name: str, axis: AxisConfig, full: Callable[[], tuple[float, float]]) -> Axis:
@@ -137,7 +139,7 @@ def make_plan(config: StudyConfig, base: Path) -> Plan:
 
     Raises `EcfitError` for what cannot be done.
     """
-    load_plugins(config.plugins, base)
+    plugins = load_plugins(config.plugins, base)
     requests = {table.name: _request(table, base) for table in config.tables}
     fits: list[PlannedFit] = []
     searches: dict[str, PlannedSearch] = {}
@@ -182,7 +184,7 @@ def make_plan(config: StudyConfig, base: Path) -> Plan:
                 _check_coordinates(approximation, name, requests[name])
             compare[name] = compare.get(name, ()) + found
             lookups[name] = lookups.get(name, ()) + _lookups(section, name, requests[name])
-    return Plan(config, requests, tuple(fits), tuple(searches.values()), compare, lookups)
+    return Plan(config, requests, tuple(fits), tuple(searches.values()), compare, lookups, plugins)
 
 
 def _part_keys(made: Composition, label: str, fits: list[PlannedFit]) -> list[str]:

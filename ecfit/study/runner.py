@@ -26,7 +26,7 @@ from ecfit.study.plan import Plan, make_plan
 from ecfit.study.provenance import provenance
 from ecfit.study.searches import compute_searches, load_searches
 from ecfit.tables import Given, Request, Table
-from ecfit.workers import check_workers
+from ecfit.workers import Engine, begin_engine, check_workers
 
 SUMMARY_COLUMNS = (
     "table",
@@ -130,6 +130,7 @@ def run(
     results: str | Path = "results",
     *,
     workers: int | None = None,
+    scheduler: str | None = None,
     progress: Progress | None = None,
 ) -> Study:
     """Run the study of a TOML file and write `results/<study>/`.
@@ -139,22 +140,29 @@ def run(
         results: folder for all studies; tables are shared in `results/tables`.
         workers: processes that fit at most, a table each; by default the processors that this process may
             use. The results do not depend on it.
+        scheduler: the address of a Dask scheduler, "tcp://host:8786", whose workers then search and fit;
+            tables are integrated and files written here. See docs/long-sweeps.md.
         progress: told what is going on.
 
     Finished tables and fits are found by their content hash and kept: running again resumes. Raises
-    `EcfitError` for a bad config, before anything is computed, and for files that cannot be written.
+    `EcfitError` for a bad config and for a scheduler that does not answer, before anything is computed, and
+    for files that cannot be written.
     """
-    workers = check_workers(workers)
+    check_workers(workers)
     path = Path(config)
-    checked = read_config(path)
-    plan = make_plan(checked, path.parent)
-    root = make_folder(Path(results))
+    plan = make_plan(read_config(path), path.parent)
+    with begin_engine(workers, scheduler) as engine:
+        return _run(plan, path.parent, Path(results), engine, progress or Progress())
+
+
+def _run(plan: Plan, base: Path, results: Path, engine: Engine, tell: Progress) -> Study:
+    root = make_folder(results)
+    checked = plan.config
     folder = make_folder(root / checked.name)
     for place in (root / "tables", folder, folder / "fits", folder / "searches", folder / "figures"):
         clear_parts(place)
-    tell = progress or Progress()
     seconds: dict[str, float] = {}
-    write_text(folder / "config.toml", to_toml(_resolved(checked, path.parent, folder)))
+    write_text(folder / "config.toml", to_toml(_resolved(checked, base, folder)))
     tables = {name: stored_table(r, name, root, seconds, tell) for name, r in plan.requests.items()}
     lookups = {
         name: [stored_table(r, f"{name} as {lookup_name(r.grid)}", root, seconds, tell) for r in requests]
@@ -164,9 +172,9 @@ def run(
     needed = {key for fit in missing_fits(plan, folder) for key in fit.searches}
     if plan.searches:
         with tell.stage("searches", len(plan.searches)) as advance:
-            compute_searches(plan, needed, path.parent, folder, paths, seconds, advance, workers)
+            compute_searches(plan, needed, folder, paths, seconds, advance, engine)
     with tell.stage("fits", len(plan.fits)) as advance:
-        compute_fits(plan, path.parent, folder, paths, seconds, advance, workers)
+        compute_fits(plan, folder, paths, seconds, advance, engine)
     study = _assemble(plan, folder, tables, lookups, load_fits(plan, folder), seconds)
     write_results(study)
     return study

@@ -7,14 +7,14 @@ from functools import partial
 from pathlib import Path
 
 from ecfit.errors import EcfitError
-from ecfit.files import read_json, write_json
+from ecfit.files import Carried, read_json
 from ecfit.fitting.selection import Choice, merged
 from ecfit.fitting.structured import searched
 from ecfit.study.plan import Plan, PlannedFit, PlannedSearch
-from ecfit.study.plugins import load_plugins
+from ecfit.study.plugins import load_read
 from ecfit.tables import Table
 from ecfit.tables.tabulate import versions
-from ecfit.workers import run_tasks
+from ecfit.workers import Engine, keep, run_tasks
 
 
 def _path(key: str, folder: Path) -> Path:
@@ -55,7 +55,7 @@ def load_searches(plan: Plan, folder: Path) -> dict[str, list[tuple[str, list[Ch
 
 @dataclass(frozen=True)
 class _Task:
-    table: Path
+    table: Carried
     folder: Path
     search: PlannedSearch
 
@@ -63,12 +63,11 @@ class _Task:
 def compute_searches(
     plan: Plan,
     needed: set[str],
-    base: Path,
     folder: Path,
     tables: Mapping[str, Path],
     seconds: dict[str, float],
     advance: Callable[[int], None],
-    workers: int,
+    engine: Engine,
 ) -> None:
     """Compute the searches of the keys `needed` that are not on disk yet, side by side.
 
@@ -83,12 +82,12 @@ def compute_searches(
 
     run_tasks(
         _search,
-        [_Task(tables[search.table], folder, search) for search in missing],
-        workers=workers,
+        [_Task(Carried(tables[search.table]), folder, search) for search in missing],
+        engine=engine,
         costs=[float(sum(s.form.budgets) * (1 + s.form.rounds)) for s in missing],
         names=[f"search {search.label}" for search in missing],
         finished=finished,
-        prepare=partial(load_plugins, plan.config.plugins, base.resolve()),
+        prepare=partial(load_read, plan.plugins),
     )
 
 
@@ -96,10 +95,10 @@ def _search(task: _Task) -> float:
     started = time.perf_counter()
     planned = task.search
     try:
-        found = searched(Table.load(task.table), planned.form, planned.seed)
+        found = searched(Table.from_bytes(task.table.read(), task.table.path), planned.form, planned.seed)
     except EcfitError as error:
         raise EcfitError(f"search {planned.label}: {error}") from None
-    write_json(
+    keep(
         _path(planned.key, task.folder),
         {
             "table": planned.table,

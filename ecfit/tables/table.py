@@ -226,6 +226,11 @@ class Table:
             raise EcfitError(f"no such table: '{path}'") from None
         except OSError as error:
             raise EcfitError(f"cannot read '{path}': {error.strerror or error}") from None
+        return cls.from_bytes(data, path)
+
+    @classmethod
+    def from_bytes(cls, data: bytes, path: str | Path) -> "Table":
+        """The table of a file's bytes; messages name its `path`. As `load`."""
         try:
             with np.load(io.BytesIO(data), allow_pickle=False) as file:
                 header = json.loads(str(_unpacked(file, "header", _MOST_HEADER)))

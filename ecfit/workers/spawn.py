@@ -9,38 +9,15 @@ import pickle
 import signal
 import sys
 import threading
-from collections.abc import Callable
 from contextlib import suppress
-from contextvars import ContextVar
 from multiprocessing.context import SpawnContext, SpawnProcess
 from multiprocessing.queues import SimpleQueue
 from types import ModuleType
 from typing import Any
 
-from ecfit.errors import EcfitError
-
-# Read by the libraries when they load. PJRT_NPROC sizes XLA's pools, those of the compiler too; the flags
-# --xla_cpu_multi_thread_eigen=false and intra_op_parallelism_threads=1 leave them as they are (JAX 0.10).
-ONE_THREAD = {
-    name: "1"
-    for name in (
-        "OPENBLAS_NUM_THREADS",
-        "OMP_NUM_THREADS",
-        "MKL_NUM_THREADS",
-        "BLIS_NUM_THREADS",
-        "VECLIB_MAXIMUM_THREADS",
-        "PJRT_NPROC",
-    )
-}
-
-listener: ContextVar[Callable[[Any], object] | None] = ContextVar("listener", default=None)
-
-
-def tell(message: Any) -> None:
-    """Within a task: pass a short message (some 100 bytes, pickled) to `heard` of `run_tasks`, at once."""
-    hear = listener.get()
-    if hear is not None:
-        hear(message)
+from ecfit.workers.home import Home, home
+from ecfit.workers.job import work
+from ecfit.workers.threads import ONE_THREAD
 
 
 class Process(SpawnProcess):
@@ -95,7 +72,7 @@ def begin(messages: "SimpleQueue[Any]", prepare: bytes) -> None:
     os.environ.update(ONE_THREAD)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt ends
     threading.Thread(target=_follow_parent, daemon=True).start()
-    listener.set(messages.put)
+    home.set(Home(messages.put))
     try:
         function = pickle.loads(prepare)
         if function is not None:
@@ -113,14 +90,7 @@ def _follow_parent() -> None:
 
 
 def call(pickled: bytes) -> Any:
-    # Unpickled here and not by the pool, to which an error there is a dead worker.
+    """Do a task: unpickled here and not by the pool, to which an error there is a dead worker."""
     if _fault is not None:
         raise _fault
-    try:
-        function, task = pickle.loads(pickled)
-    except (AttributeError, ImportError) as error:
-        raise EcfitError(
-            f"a worker process cannot load its task: {error}; define functions and classes of tasks in a "
-            "module or plugin, not in the script that is run"
-        ) from None
-    return function(task)
+    return work(pickled)
