@@ -109,6 +109,8 @@ def commands(block: Block) -> Iterator[list[str]]:
 
 def check_command(words: list[str]) -> None:
     """That a command exists, with these options, and its files of the repository too."""
+    while re.match(r"[A-Z_]+=", words[0]):  # a variable of the environment
+        words = words[1:]
     program = words[0].removeprefix(".venv/bin/")
     if program == "ecfit":
         app.parse_args(words[1:], exit_on_error=False, print_error=False)
