@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CONFIG ?= configs/quick.toml
 
-.PHONY: study test test-all lint types benchmark constraints system shaders slang clean
+.PHONY: study test test-all lint types docs docs-serve benchmark constraints system shaders slang clean
 
 study: $(VENV)/.core
 	$(BIN)/ecfit run $(CONFIG)
@@ -22,7 +22,7 @@ QUICK_COMPILE := XLA_FLAGS="--xla_backend_optimization_level=0 --xla_cpu_use_fus
 test: $(VENV)/.test shaders
 	$(QUICK_COMPILE) $(PYTEST)
 
-test-all: $(VENV)/.test $(VENV)/.browser shaders
+test-all: $(VENV)/.test $(VENV)/.browser $(VENV)/.docs shaders
 	$(PYTEST) -m ""
 
 lint: $(VENV)/.dev
@@ -32,6 +32,14 @@ lint: $(VENV)/.dev
 # The benchmarks are checked too, against what they import.
 types: $(VENV)/.dev $(VENV)/.bench
 	$(BIN)/pyright
+
+# The site, into .site/; every warning is an error. Material's own news is not.
+docs: $(VENV)/.docs
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo "docs: .site/index.html"
+
+docs-serve: $(VENV)/.docs
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs serve
 
 benchmark: $(VENV)/.bench
 	$(BIN)/python benchmarks/start.py
@@ -44,7 +52,7 @@ benchmark: $(VENV)/.bench
 	$(BIN)/python benchmarks/choosing.py --cache .choosing --figures .choosing
 
 constraints: $(VENV)/.uv
-	$(BIN)/uv pip compile --universal --no-header --no-annotate --extra test --extra dev --extra bench --extra shaders --extra browser --extra render pyproject.toml -o constraints.txt
+	$(BIN)/uv pip compile --universal --no-header --no-annotate --extra test --extra dev --extra bench --extra shaders --extra browser --extra render --extra docs pyproject.toml -o constraints.txt
 
 # System packages for the tests that compile and run shaders, or open a browser; they skip without.
 system:
@@ -79,4 +87,4 @@ $(VENV)/.%: $(VENV)/.core
 	touch $@
 
 clean:
-	rm -rf $(VENV) build dist
+	rm -rf $(VENV) build dist .site

@@ -28,7 +28,6 @@ from common import Timing, alone, peak_memory, timed
 
 import ecfit
 from ecfit.coordinates import Grid
-from ecfit.workers import ONE_THREAD
 
 Array = np.ndarray
 DEGREE = 3

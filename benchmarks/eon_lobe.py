@@ -13,9 +13,9 @@ import numpy as np
 
 import ecfit
 from ecfit.bsdf import BSDF
+from ecfit.report.sampling import weights_over_angle, weights_over_roughness
 from ecfit.report.style import rendered
 from ecfit.sampling import TECHNIQUES, LobeForm, integrated, lobe_form, technique
-from ecfit.sampling.figures import weights_over_angle, weights_over_roughness
 from ecfit.sampling.refit import refit_lobe
 
 FIT_MU = [0.01, 0.2, 0.4, 0.5, 0.6, 0.75, 0.9, 0.96, 1.0]

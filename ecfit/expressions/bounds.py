@@ -18,7 +18,6 @@ from ecfit.expressions import jet
 from ecfit.expressions.evaluate import Rules, evaluate
 from ecfit.expressions.interval import Interval
 from ecfit.expressions.node import Node, inputs, topological
-from ecfit.forms.bernstein import Minimum
 
 # Which boxes, given as (lows, highs) by name, lie wholly outside the domain.
 Outside = Callable[[Mapping[str, tuple[np.ndarray, np.ndarray]]], np.ndarray]
@@ -27,6 +26,14 @@ Outside = Callable[[Mapping[str, tuple[np.ndarray, np.ndarray]]], np.ndarray]
 _BATCH = 4096
 # Boxes narrower than this part of the domain in every variable are kept as they are.
 _NARROWEST = 2.0**-40
+
+
+class Minimum(NamedTuple):
+    """The least value found and its place, and a lower bound of the true minimum."""
+
+    value: float
+    place: tuple[float, ...]
+    bound: float
 
 
 def smallest(

@@ -232,21 +232,22 @@ def fit(
         max_steps: bound on the last Levenberg-Marquardt descent, from the best start; by default 300 to 1000,
             fewer for more coefficients.
         settings: for any norm but least squares over equal weights:
-            norm: a name of `ecfit.fitting.NORMS` ("least-squares", "l1", "minimax", "furnace-mean", ...);
-            weights: of the entries in the norm's mean, an array of the table's shape, or coordinate -> power
-                ({"mu": 1} weights with mu); maximum norms only leave out entries of weight 0;
-            digits: significant digits that the coefficients are rounded to;
-            strength: weight of the penalties, at guards over the closed domain, that keep Q > 0 and, for
-                heads with a deficit or surplus, E <= 1 or E >= 0. With 0 the optimum may have poles.
-                Maximum norms keep to the limits at the guards whatever the strength;
-            margin: how far within its limits the form is held, in units of deficit and surplus (1 - E and E
-                over their known factors), so that a certificate can prove them;
-            ridge: weight of the size of the coefficients, for norms that are no maximum;
-            monotone: {coordinate: 1 or -1} where the fit should not fall, or not rise, along the coordinate:
-                a penalty on a grid over the domain, not a proof, for norms that are no maximum.
-            lower_bound: whether to compute the least possible largest error of the form too, for polynomial,
-                rational and structured forms of one ratio (`Fit.least_max_error`; extra `minimax`).
-            Equinox modules take weights and digits.
+
+            - norm: a name of `ecfit.fitting.NORMS` ("least-squares", "l1", "minimax", "furnace-mean", ...);
+            - weights: of the entries in the norm's mean, an array of the table's shape, or coordinate ->
+              power ({"mu": 1} weights with mu); maximum norms only leave out entries of weight 0;
+            - digits: significant digits that the coefficients are rounded to;
+            - strength: weight of the penalties, at guards over the closed domain, that keep Q > 0 and, for
+              heads with a deficit or surplus, E <= 1 or E >= 0. With 0 the optimum may have poles.
+              Maximum norms keep to the limits at the guards whatever the strength;
+            - margin: how far within its limits the form is held, in units of deficit and surplus (1 - E and E
+              over their known factors), so that a certificate can prove them;
+            - ridge: weight of the size of the coefficients, for norms that are no maximum;
+            - monotone: {coordinate: 1 or -1} where the fit should not fall, or not rise, along it: a
+              penalty on a grid over the domain, not a proof, for norms that are no maximum;
+            - lower_bound: whether to compute the least possible largest error of the form too, for
+              polynomial, rational and structured forms of one ratio (`Fit.least_max_error`; extra `minimax`).
+            - Equinox modules take weights and digits.
 
     Returns a `Fit`, whose `status` says whether the solver converged and whether the denominator stays
     positive on the domain: look at it. Raises `EcfitError` where the table has too few entries, or entries

@@ -10,19 +10,11 @@ import itertools
 from collections.abc import Sequence
 from functools import cache
 from math import comb
-from typing import NamedTuple
 
 import numpy as np
 
+from ecfit.expressions.bounds import Minimum as Minimum
 from ecfit.forms.terms import Terms
-
-
-class Minimum(NamedTuple):
-    """The least value found and its place, and a lower bound of the true minimum."""
-
-    value: float
-    place: tuple[float, ...]
-    bound: float
 
 
 @cache

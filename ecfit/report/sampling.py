@@ -1,4 +1,4 @@
-"""Figures of weights: functions that return a Matplotlib figure and write nothing."""
+"""Figures of sampling weights: functions that return a Matplotlib figure and write nothing."""
 
 from collections.abc import Mapping, Sequence
 

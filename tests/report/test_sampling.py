@@ -3,8 +3,8 @@
 import numpy as np
 
 import ecfit
+from ecfit.report.sampling import weights_over_angle, weights_over_roughness
 from ecfit.sampling import technique
-from ecfit.sampling.figures import weights_over_angle, weights_over_roughness
 
 
 def test_weights_over_the_angle():
