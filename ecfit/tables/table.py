@@ -230,7 +230,7 @@ class Table:
 
     @classmethod
     def from_bytes(cls, data: bytes, path: str | Path) -> "Table":
-        """The table of a file's bytes; messages name its `path`. As `load`."""
+        """The table of a file's bytes; messages name its `path`. Raises `EcfitError` as `load`."""
         try:
             with np.load(io.BytesIO(data), allow_pickle=False) as file:
                 header = json.loads(str(_unpacked(file, "header", _MOST_HEADER)))
