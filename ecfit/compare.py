@@ -41,7 +41,7 @@ class Change:
 
     Attributes:
         kind: one of `KINDS`.
-        part: "table", "fit" or "published".
+        part: "table", "fit" or "published" (whatever is judged beside the fits).
         name: of the table, the fit's file, or "table: approximation".
         text: what, in words and numbers.
     """
@@ -174,6 +174,10 @@ def _fit(path: Path) -> dict[str, Any]:
     return {"errors": errors, "status": status, "formula": formula}
 
 
+# How the status begins of what is judged beside fits (`ecfit.approximation.standing`, which loads JAX).
+_STANDINGS = ("published", "shipped", "table")
+
+
 def _published(path: Path) -> dict[str, dict[str, Any]]:
     """Rows of the summary that are no fits of ours, by "table: name"."""
     rows = csv.DictReader(read_text(path).splitlines())
@@ -184,7 +188,7 @@ def _published(path: Path) -> dict[str, dict[str, Any]]:
                 "status": row["status"],
             }
             for row in rows
-            if row["status"].startswith(("published", "table"))
+            if row["status"].startswith(_STANDINGS)
         }
     except (KeyError, TypeError, ValueError, AttributeError):
         raise EcfitError(f"'{path}' is not a summary that a run writes: run it again") from None

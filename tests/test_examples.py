@@ -111,7 +111,7 @@ compare = [{ tables = ["one"], published = ["kulla-conty-2017"] }]
         assert int(row["coefficients"]) == fit.coefficients.size
     printed = capsys.readouterr().out
     assert f"{found.study.fits['one'][1].rmse:9.2e}" in printed
-    assert "Best fit: polynomial 2" in printed
+    assert "Best fit of the study: polynomial 2" in printed
     assert (tmp_path / "03-sweep.png").exists()
 
 

@@ -64,6 +64,8 @@ def read_plugins(names: Iterable[str], base: Path) -> tuple[Plugin, ...]:
 def _read(name: str, base: Path) -> Plugin:
     if not name.endswith(".py"):
         return Plugin(name)
+    if "\0" in name:  # no system call takes one
+        raise EcfitError(f"plugin {name!r}: no file has such a name")
     path = (base / name).resolve()
     if not path.is_file():
         raise EcfitError(f"plugin '{name}': no such file next to the config ('{path}')")

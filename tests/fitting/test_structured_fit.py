@@ -62,7 +62,7 @@ def test_limits_hold_at_the_corner_in_every_view(fitted):
 def test_a_fit_reads_back_exactly(fitted, tmp_path):
     fitted.save(tmp_path / "fit.json")
     again = ecfit.Fit.load(tmp_path / "fit.json")
-    assert again.to_dict() == json.loads(json.dumps(fitted.to_dict()))
+    assert json.dumps(again.to_dict()) == json.dumps(fitted.to_dict())
     np.testing.assert_array_equal(again.coefficients, fitted.coefficients)
     assert again(mu=0.3, alpha=0.2) == fitted(mu=0.3, alpha=0.2)
 

@@ -211,6 +211,6 @@ def test_the_command_says_the_verdict_and_exits_with_1(study: Path, capsys: pyte
             cli.main(["verify", str(study), "--entries", str(FEW), "--refits", "0"])
         return stopped.value.code, capsys.readouterr().out.splitlines()[-1]
 
-    assert called() == (0, "all 3 hold")
+    assert called() == (0, "all 4 hold")
     change(study / LABEL, set_in("coefficients", 0, factor=1.1))
-    assert called() == (1, "1 of 3 claims FAIL")
+    assert called() == (1, "1 of 4 claims FAIL")
