@@ -188,13 +188,13 @@ class Dask:
                 if isinstance(item, dict):
                     hear(item["task"], item["number"], item["message"])
                     continue
-                index = running.pop(item)
+                index = running[item]
                 found = self._result(item, job, index)
                 if found is None:
-                    running[item] = index
                     item.add_done_callback(inbox.put)
                     room.look()
                     continue
+                del running[item]
                 result, said = found
                 for number, message in enumerate(said):
                     hear(index, number, message)
