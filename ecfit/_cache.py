@@ -68,7 +68,8 @@ def _processor() -> str:
 def keep_compiled() -> None:
     """Tell JAX, and that of processes started later, where to keep what is compiled.
 
-    Nothing is changed where JAX has loaded, where the user told JAX a folder, and where it cannot be written.
+    Nothing is changed where JAX has loaded, where the user told JAX a folder, and where the folder cannot be
+    written, or by others too: what is in it is executed.
     Whatever is wrong with the folder later, JAX compiles.
     """
     if "jax" in sys.modules or _FOLDER in os.environ:
@@ -77,11 +78,10 @@ def keep_compiled() -> None:
     if folder is None:
         return
     try:
-        # The user's alone: what is in it is executed.
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if not (os.access(folder, os.W_OK) and _private(folder)):
+            return
     except OSError:
-        return
-    if not os.access(folder, os.W_OK):
         return
     os.environ[_FOLDER] = str(folder)
     for name, value in _SETTINGS.items():
@@ -91,6 +91,14 @@ def keep_compiled() -> None:
     said = [os.environ.get("PYTHONWARNINGS", ""), *(f"ignore:{message}" for message in _UNSAID)]
     os.environ["PYTHONWARNINGS"] = ",".join(filter(None, said))  # of workers
     sweep(folder)
+
+
+def _private(folder: Path) -> bool:
+    """Whether nobody else may write there, as far as the system tells."""
+    if not hasattr(os, "getuid"):
+        return True
+    found = folder.stat()
+    return found.st_uid == os.getuid() and not found.st_mode & 0o022
 
 
 def sweep(folder: Path) -> None:
@@ -116,7 +124,8 @@ def sweep(folder: Path) -> None:
 
 def _entries(folder: Path) -> Iterator[tuple[Path, os.stat_result]]:
     """The entries of a folder and, where it is ours, of its neighbours: other processors and flags."""
-    folders = folder.parent.glob("xla-*") if folder.name.startswith("xla-") else [folder]
+    ours = folder.name.startswith("xla-") and Path(os.environ.get(SWITCH, "").strip()) != folder
+    folders = [near for near in folder.parent.glob("xla-*") if near.is_dir()] if ours else [folder]
     for path in (path for near in folders for path in near.iterdir()):
         if _ENTRY.fullmatch(path.name):
             with suppress(FileNotFoundError):  # another process may sweep, too

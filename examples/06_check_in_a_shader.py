@@ -1,8 +1,8 @@
 """Export a fit, compile it, run it, and compare with Python: is the code what the fit is?
 
     python examples/06_check_in_a_shader.py
-    python examples/06_check_in_a_shader.py --fit conductor-10 \
-        --fit results/quick/fits/conductor-rational-3.json --output code
+    python examples/06_check_in_a_shader.py --output code \
+        --fit conductor-10 --fit results/quick/fits/conductor-rational-3.json
 
 What a renderer compiles is text, in single precision, with the digits that were printed. The errors of a
 fit are those of Python in double. Between the two stands a compiler; so it is asked. `ecfit.shaders` writes

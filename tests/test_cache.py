@@ -138,6 +138,25 @@ def test_a_sweep_keeps_the_latest_of_all_processors(tmp_path: Path, monkeypatch:
     assert theirs.exists()
 
 
+def test_a_folder_that_the_user_chose_is_swept_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(_cache, "LIMIT", 0)
+    monkeypatch.setenv(SWITCH, str(tmp_path / "xla-mine"))
+    (tmp_path / "xla-notes").write_text("no folder")
+    mine, theirs = (entry(tmp_path / name, "1", GOOD, HOUR) for name in ("xla-mine", "xla-theirs"))
+    sweep(tmp_path / "xla-mine")
+    assert (mine.exists(), theirs.exists()) == (False, True)
+
+
+@pytest.mark.usefixtures("no_jax")
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="the system tells no owners")
+def test_a_folder_that_others_may_write_is_not_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """What is in it is executed."""
+    tmp_path.chmod(0o777)
+    monkeypatch.setenv(SWITCH, str(tmp_path))
+    keep_compiled()
+    assert "JAX_COMPILATION_CACHE_DIR" not in os.environ
+
+
 def test_a_folder_that_is_gone_is_no_error(tmp_path: Path):
     sweep(tmp_path / "nowhere")
 

@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import os
 import re
 import subprocess
 import sys
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+import ecfit
 from ecfit import cli
 from ecfit.cli.overview import COMMANDS, name_of
 
@@ -229,6 +231,40 @@ def test_an_interrupt_says_how_to_go_on(capsys: pytest.CaptureFixture[str], monk
     code, _, err = call(capsys, "run", ROOT / "configs" / "quick.toml", "--workers", 3)
     assert code == 130
     assert "the same command goes on from here" in err
+
+
+def test_an_interrupt_promises_nothing_where_nothing_is_kept(monkeypatch, capsys):
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(ecfit, "tabulate", interrupted)
+    code, out, err = call(capsys, "table", "lambertian", "--axis", "mu=4", "--output", "t.npz")
+    assert (code, out, err.splitlines()[-1]) == (130, "", "stopped")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["x.toml", "--albedo", "conductor-10", "--tolerance", "1e-3"], "leave out --albedo, --tolerance"),
+        (["conductor", "--axis", "mu=4", "--numerical"], "leave out --numerical"),
+    ],
+)
+def test_a_furnace_takes_nothing_in_vain(capsys, arguments, message):
+    code, _, err = call(capsys, "furnace", *arguments)
+    assert code == 2
+    assert message in err
+
+
+def test_a_pipe_that_is_closed_is_no_fault():
+    """As in `ecfit --help | true`."""
+    ends = os.pipe()
+    os.close(ends[0])
+    environment = {k: v for k, v in os.environ.items() if k != "PYTHONUNBUFFERED"}
+    done = subprocess.run(
+        [sys.executable, "-m", "ecfit", "--help"], stdout=ends[1], stderr=subprocess.PIPE, env=environment
+    )
+    os.close(ends[1])
+    assert (done.returncode, done.stderr) == (0, b"")
 
 
 def test_init_writes_a_study_once(capsys: pytest.CaptureFixture[str], tmp_path: Path):

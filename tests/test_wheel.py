@@ -112,11 +112,12 @@ def test_the_sdist_holds_sources_and_results_in_numbers_but_no_pictures(built: P
         assert needed in names
     for needed in ("configs/quick.toml", "tests/test_wheel.py", "results/quick/summary.csv"):
         assert needed in names
-    unwanted = (".pyc", ".npz", ".png", ".html", ".log")
+    unwanted = (".pyc", ".npz", ".png", ".svg", ".html", ".log")
     assert not [name for name in names if name.endswith(unwanted) and name.startswith("results/")]
     assert not [
         name for name in names if "__pycache__" in name or name.startswith((".venv", "results/tables"))
     ]
+    assert not [name for name in names if name.startswith("docs/figures/")]
     assert sdist.stat().st_size < 2e6
 
 

@@ -7,7 +7,7 @@ import os
 import sys
 from typing import NoReturn
 
-from ecfit.cli.overview import asks_for_page, page
+from ecfit.cli.overview import RESUMED, asks_for_page, page
 from ecfit.errors import EcfitError
 
 # Before NumPy loads: JAX has a pool of threads of its own, and where two pools share the cores small
@@ -27,13 +27,17 @@ def main(arguments: list[str] | None = None) -> None:
             print(__version__)
         else:
             _call(words)
+        sys.stdout.flush()  # a pipe that was closed is met here, not when Python ends
     except EcfitError as error:
         _fail(f"error: {error}")
     except KeyboardInterrupt:
-        _fail("stopped; what is finished is kept: the same command goes on from here", 130)
+        kept = "; what is finished is kept: the same command goes on from here"
+        _fail(f"stopped{kept if words[:1] and words[0] in RESUMED else ''}", 130)
     except MemoryError:
         _fail("error: out of memory: use fewer nodes an axis")
     except BrokenPipeError:
+        # Nothing is left to flush to: Python would say so at its end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise SystemExit(0) from None
 
 

@@ -5,7 +5,9 @@ from typing import Literal
 
 from ecfit.cli.arguments import Axes, Options, Plugins, axes_of, options_of
 from ecfit.cli.terminal import bars, say
-from ecfit.errors import EcfitError
+from ecfit.errors import EcfitError, refuse_ignored
+
+_TOLERANCE = 1e-6
 
 
 def furnace(
@@ -13,14 +15,14 @@ def furnace(
     *,
     axis: Axes = (),
     albedo: str | None = None,
-    method: Literal["turquin", "kulla-conty"] = "turquin",
+    method: Literal["turquin", "kulla-conty"] | None = None,
     option: Options = (),
     plugin: Plugins = (),
-    transport: str = "energy",
-    tolerance: float = 1e-6,
+    transport: str | None = None,
+    tolerance: float | None = None,
     output: Path | None = None,
     numerical: bool = False,
-    results: Path = Path("results"),
+    results: Path | None = None,
 ) -> None:
     """The white furnace, which should give 1: rendered from a config, or a model integrated over all light.
 
@@ -33,20 +35,30 @@ def furnace(
     albedo
         What compensates: a published fit or the JSON file of a fit; the exact integral by default.
     method
-        turquin scales the model; kulla-conty adds a diffuse lobe.
+        turquin (the default) scales the model; kulla-conty adds a diffuse lobe.
     transport
-        energy, or radiance for the albedos of such tables.
+        energy (the default), or radiance for the albedos of such tables.
     tolerance
-        Absolute error of each integral.
+        Absolute error of each integral (1e-6).
     output
         File for the table of integrals (NPZ).
     numerical
         Of a config: integrate one scattering of each material instead of rendering it. Models always are.
     results
-        Of a config: folder of all results.
+        Of a config: folder of all results ("results").
     """
+    of_model = {
+        "--axis": axis, "--albedo": albedo, "--method": method, "--option": option, "--plugin": plugin,
+        "--transport": transport, "--tolerance": tolerance, "--output": output,
+    }  # fmt: skip
     if model.endswith(".toml"):
-        return _pictures(Path(model), results, numerical)
+        refuse_ignored("a furnace's config says this itself", of_model)
+        return _pictures(Path(model), results or Path("results"), numerical)
+    refuse_ignored(
+        "only a furnace's config takes this", {"--numerical": numerical or None, "--results": results}
+    )
+    method, transport = method or "turquin", transport or "energy"
+    tolerance = _TOLERANCE if tolerance is None else tolerance
     if not axis:
         raise EcfitError("the furnace of a model needs --axis: for example --axis r=32 --axis mu=0.1:1:32")
     import ecfit

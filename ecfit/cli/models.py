@@ -19,7 +19,7 @@ def list_(*, plugin: Plugins = ()) -> None:
     load_plugins(plugin, Path())
     print("models")
     for name, cls in sorted(models().items()):
-        print(f"  {name}: {(cls.__doc__ or '').strip().splitlines()[0] if cls.__doc__ else ''}")
+        print(f"  {name}: {_first_line(cls)}")
         for key, choices in cls.option_choices().items():
             print(f"    {key} = {' | '.join(choices)}")
         for key, (low, high) in cls.parameter_ranges().items():
@@ -30,10 +30,10 @@ def list_(*, plugin: Plugins = ()) -> None:
         print(f"  {name}: {text}")
     print("forms")
     for name, cls in forms().items():
-        print(f"  {name}: {(cls.__doc__ or '').strip().splitlines()[0]}")
+        print(f"  {name}: {_first_line(cls)}")
     print('modules (form = "module")')
     for name, made in sorted(registered_forms().items()):
-        print(f"  {name}: {(made.__doc__ or '').strip().partition(chr(10))[0]}")
+        print(f"  {name}: {_first_line(made)}")
     print("spacings")
     for name, text in SPACINGS.items():
         print(f"  {name}: {text}")
@@ -50,6 +50,10 @@ def list_(*, plugin: Plugins = ()) -> None:
     print("published fits")
     for name in published_names():
         print(f"  {name}: {published(name).source}")
+
+
+def _first_line(documented: object) -> str:
+    return (documented.__doc__ or "").strip().partition("\n")[0]
 
 
 def check_bsdf(model: str, *, option: Options = (), plugin: Plugins = (), samples: int = 500) -> None:

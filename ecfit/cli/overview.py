@@ -26,6 +26,9 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "Models": ("models:list_", "models:check_bsdf", "furnaces:furnace"),
 }
 
+# Of these what is finished is kept when they are stopped, and found when they are called again.
+RESUMED = ("run", "furnace", "ship")
+
 _HEAD = """\
 Usage: ecfit COMMAND
 

@@ -31,7 +31,8 @@ def inline(svg: bytes, prefix: str, label: str) -> str:
     # A style sheet within would hold for the whole page; its two rules are in the page's own.
     text = re.sub(r"<style.*?</style>", "", text, flags=re.S)
     # Hundredths of a point are not seen, but weigh a third of the page; names of fonts and ids another.
-    text = re.sub(r"(\d\.\d\d)\d+", r"\1", text)
+    # Within tags only: labels keep their digits.
+    text = re.sub(r"<[^>]*>", lambda tag: re.sub(r"(\d\.\d\d)\d+", r"\1", tag[0]), text)
     text = re.sub(r"font-family: [^;\"]+;? ?", "", text)
     text = re.sub(r"(font: \d[^ ]*) [^;\"]+", r"\1 sans-serif", text)
     text = re.sub(r'(data:image/png;base64,)([^"]+)', lambda m: m[1] + _indexed(m[2]), text)

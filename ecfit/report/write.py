@@ -26,7 +26,7 @@ from ecfit.report.verdict import Proved, Prover, choices, percentage, prover, se
 from ecfit.tables import Table
 
 # Characters of code, in all languages, that a page has of one approximation at most (some 75 numbers): bigger
-# ones are exported from the shell. Reports of whole studies stay below 1 MB.
+# ones are exported from the shell. A report of four tables with 56 fits is below 1 MB.
 _CODE_ROOM = 20_000
 
 

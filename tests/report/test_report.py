@@ -13,6 +13,7 @@ import ecfit
 from ecfit import report
 from ecfit.config import StudyConfig
 from ecfit.forms import Minimum
+from ecfit.report.inline import inline
 from ecfit.report.style import rendered
 
 
@@ -62,6 +63,13 @@ def test_the_page_is_self_contained_and_well_formed(solid):
         assert (used[0] or used[1]) in ids
     for word in ("Verdict", "printed-2022", "table-5x6x7", "Contract", "SPDX-License-Identifier"):
         assert word in page
+
+
+def test_labels_keep_their_digits_where_paths_lose_theirs():
+    svg = b'<svg><path d="M 1.23456 0"/><text>F0 = 0.0125</text></svg>'
+    element = inline(svg, "p", "a figure")
+    assert 'd="M 1.23 0"' in element
+    assert "<text>F0 = 0.0125</text>" in element
 
 
 def test_a_page_follows_the_scheme_of_its_reader(solid):

@@ -13,7 +13,7 @@ import kills
 import pytest
 
 import ecfit
-from ecfit.study.runner import Progress
+from ecfit.progress import Progress
 
 distributed = pytest.importorskip("distributed", reason="Dask distributed is not installed")
 dask = pytest.importorskip("dask")

@@ -326,10 +326,8 @@ def test_a_failing_plugin_is_told(tmp_path: Path):
 def test_a_users_model_goes_through_a_study(tmp_path: Path):
     text = (EXAMPLES / "ward.toml").read_text()
     shutil.copy(EXAMPLES / "ward.py", tmp_path / "ward.py")
-    small = text.replace(
-        "alpha = 24, mu = { count = 24, low = 0.05 }",
-        "alpha = [0.3, 0.6, 0.8, 1.0], mu = [0.3, 0.5, 0.8, 1.0]",
-    )
+    nodes = "alpha = [0.3, 0.6, 0.8, 1.0], mu = [0.3, 0.5, 0.8, 1.0]"
+    small = text.replace("alpha = 24, mu = { count = 24, low = 0.05 }", nodes)
     assert small != text
     small = small.replace("tolerance = 1e-6", "tolerance = 1e-3")
     small = small[: small.rindex("[[fits]]")].replace("[1, 2, 3, 4]", "[1, 2]")
