@@ -22,10 +22,12 @@ from worker_tasks import (
     refuse,
     slow_square,
     tell_for_long,
+    time_out,
 )
 
 import ecfit
 from ecfit import cli
+from ecfit._versions import versions
 from ecfit.workers import ONE_THREAD, Engine, begin_engine, remote, run_tasks
 
 distributed = pytest.importorskip("distributed", reason="Dask distributed is not installed")
@@ -89,6 +91,27 @@ def test_errors_are_raised_here(engine: Engine):
         ecfit.EcfitError, match=r"^task 1 cannot be sent to a worker: .*in a module or plugin"
     ):
         run_tasks(lambda x: x, [1], engine=engine)
+
+
+def test_a_result_that_does_not_come_is_asked_for_again(engine: Engine, monkeypatch: pytest.MonkeyPatch):
+    """As where its worker died between the task and its fetching; a task's own timeout is an error."""
+    real, asked = distributed.Future.result, []
+
+    def late(future: Any, timeout: float | None = None) -> Any:
+        asked.append(timeout)
+        if len(asked) == 1:
+            raise TimeoutError
+        return real(future, timeout)
+
+    monkeypatch.setattr(distributed.Future, "result", late)
+    finished: list[int] = []
+    found = run_tasks(slow_square, range(3), engine=engine, finished=lambda i, _: finished.append(i))
+    assert found == [0, 1, 4]
+    assert sorted(finished) == [0, 1, 2]
+    assert len(asked) == 4
+    assert None not in asked
+    with pytest.raises(TimeoutError, match=r"^the task's own$"):
+        run_tasks(time_out, [0], engine=engine)
 
 
 def test_an_interrupt_stops_the_tasks_and_leaves_the_cluster(engine: Engine, tmp_path: Path):
@@ -235,6 +258,10 @@ def test_a_worker_that_would_compute_otherwise_is_refused(monkeypatch: pytest.Mo
     monkeypatch.delenv("PJRT_NPROC")  # and JAX has loaded
     with pytest.raises(ecfit.EcfitError, match=r"start it with PJRT_NPROC=1 in its environment$"):
         remote.check(remote.build(), worker())
+
+
+def test_workers_are_compared_in_all_that_provenance_names():
+    assert {name.lower() for name in remote.build()} >= set(versions())
 
 
 def test_threads_are_set_where_nothing_has_read_them(monkeypatch: pytest.MonkeyPatch):

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from ecfit.files import read_json
 from ecfit.fitting import Fit
 from ecfit.fitting.result import EXACT
 from ecfit.study.fits import fit_path
-from ecfit.study.plan import make_plan
+from ecfit.study.plan import PlannedFit, make_plan
 from ecfit.study.runner import table_path
 from ecfit.tables import Table
 
@@ -35,7 +36,7 @@ class Apart:
     Attributes:
         label: of the fit: the name of its file.
         coefficients: largest |a - b| / |a| of a coefficient; infinite where the terms differ.
-        function: largest |f_a - f_b| on a grid over the closed domain; infinite where only one has a value.
+        function: largest |f_a - f_b| on a grid over the closed domain; infinite where only one is finite.
         max_error: the fit's largest error, of the first run.
     """
 
@@ -55,6 +56,19 @@ class Apart:
         return self.share <= SAME_FUNCTION
 
 
+def entries_apart(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """|a - b|: 0 where neither is finite (NaN, or 0 / 0 at an edge, in both), infinite where only one is."""
+    with np.errstate(all="ignore"):
+        off = np.nan_to_num(np.abs(a - b), nan=np.inf, posinf=np.inf)
+    return np.where(np.isfinite(a) | np.isfinite(b), off, 0.0)
+
+
+def _in_units(off: np.ndarray, unit: np.ndarray | float) -> float:
+    """Largest off / unit; 0 / 0 is 0."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return float(np.max(np.where((off == 0.0) | np.isinf(off), off, off / unit), initial=0.0))
+
+
 def functions_apart(a: Approximation, b: Approximation) -> float:
     """Largest |a - b| on a grid over the closed domain, limits at its edges included.
 
@@ -66,18 +80,21 @@ def functions_apart(a: Approximation, b: Approximation) -> float:
     nodes = [np.linspace(low, high, _NODES.get(len(a.domain), _FEW)) for low, high in a.domain]
     with np.errstate(all="ignore"):
         one, other = a.on_grid(nodes), b.on_grid(nodes)
-        off = np.abs(one - other)
-    neither = ~(np.isfinite(one) | np.isfinite(other))
-    return float(np.max(np.where(neither, 0.0, np.nan_to_num(off, nan=np.inf, posinf=np.inf)), initial=0.0))
+    return float(np.max(entries_apart(one, other), initial=0.0))
 
 
 def coefficients_apart(a: np.ndarray, b: np.ndarray) -> float:
     """Largest |a - b| / |a|; 0 / 0 is 0. Infinite where the two differ in number."""
     if a.shape != b.shape:
         return float("inf")
-    off = np.abs(a - b)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return float(np.max(np.where(off == 0.0, 0.0, off / np.abs(a)), initial=0.0))
+    return _in_units(entries_apart(a, b), np.abs(a))
+
+
+def _terms(data: Any) -> Any:
+    """What a formula's data say beside its coefficients, those of its parts too."""
+    if isinstance(data, dict):
+        return {k: _terms(v) for k, v in data.items() if k != "coefficients"}
+    return [_terms(v) for v in data] if isinstance(data, list | tuple) else data
 
 
 def fits_apart(config: str | Path, old: str | Path, new: str | Path) -> list[Apart]:
@@ -87,19 +104,17 @@ def fits_apart(config: str | Path, old: str | Path, new: str | Path) -> list[Apa
         config: the study file of both.
         old, new: the folders of all results (`--results`) of the two runs.
 
-    Raises `EcfitError` where a fit is missing.
+    Raises `EcfitError` where a fit is missing, or is not the one that the study file asks for.
     """
     plan = make_plan(read_config(Path(config)), Path(config).parent)
     out = []
     for planned in plan.fits:
-        a, b = (
-            Fit.from_dict(read_json(path), f"'{path}'")
-            for path in (fit_path(planned, Path(root) / plan.config.name) for root in (old, new))
-        )
+        a, b = (_stored(planned, fit_path(planned, Path(root) / plan.config.name)) for root in (old, new))
+        same = _terms(a.approximation.formula.to_dict()) == _terms(b.approximation.formula.to_dict())
         out.append(
             Apart(
                 planned.label,
-                coefficients_apart(a.coefficients, b.coefficients),
+                coefficients_apart(a.coefficients, b.coefficients) if same else float("inf"),
                 functions_apart(a.approximation, b.approximation),
                 a.max_error,
             )
@@ -107,17 +122,23 @@ def fits_apart(config: str | Path, old: str | Path, new: str | Path) -> list[Apa
     return out
 
 
+def _stored(planned: PlannedFit, path: Path) -> Fit:
+    data = read_json(path)
+    fit = Fit.from_dict(data, f"'{path}'")
+    if data.get("key") != planned.key:
+        raise EcfitError(f"'{path}' is a fit of another study file or version of ecfit: run the study again")
+    return fit
+
+
 def tables_apart(config: str | Path, old: str | Path, new: str | Path) -> dict[str, float]:
     """Table -> largest difference of an entry between two runs, in units of its tolerance.
 
-    Arguments as for `fits_apart`. Tables that were read from files differ by nothing, or by infinity.
+    Arguments as for `fits_apart`. Tables that were read from files differ by nothing, or by infinity. Entries
+    that are NaN in both runs are equal; one that is NaN in one of them is infinitely far.
     """
     plan = make_plan(read_config(Path(config)), Path(config).parent)
     out = {}
     for name, request in plan.requests.items():
         a, b = (Table.load(table_path(request, Path(root))) for root in (old, new))
-        off = np.abs(a.values - b.values)
-        allowed = a.tolerance if a.tolerance > 0.0 else 0.0
-        with np.errstate(divide="ignore", invalid="ignore"):
-            out[name] = float(np.max(np.where(off == 0.0, 0.0, off / allowed)))
+        out[name] = _in_units(entries_apart(a.values, b.values), a.tolerance if a.tolerance > 0.0 else 0.0)
     return out

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from ecfit._versions import versions
 from ecfit.approximation.compose import compose
 from ecfit.errors import EcfitError
 from ecfit.files import Carried, read_json
@@ -17,7 +18,6 @@ from ecfit.study.plan import Plan, PlannedFit
 from ecfit.study.plugins import load_read
 from ecfit.study.searches import found_for
 from ecfit.tables import Table
-from ecfit.tables.tabulate import versions
 from ecfit.workers import Engine, keep, run_tasks, shared, tell
 
 
@@ -97,11 +97,16 @@ def compute_fits(
                 TableFits(Carried(path), folder, fits, _cost(fits, len(plan.requests[name].grid.axes)))
             )
     took: dict[str, float] = {}
+    told: set[str] = set()
     advance(len(plan.fits) - len(missing))
 
-    def heard(message: tuple[str, float]) -> None:
-        took.update([message])
-        advance(1)
+    def heard(message: tuple[str, float | None]) -> None:
+        label, spent = message
+        if spent is not None:
+            took[label] = spent
+        if label not in told:  # a task that is done again tells again
+            told.add(label)
+            advance(1)
 
     run_tasks(
         _fit_table,
@@ -144,8 +149,9 @@ def _fit_table(task: TableFits) -> None:
     """Compute the fits of one table; each is written, then told, as soon as it is finished."""
     fitter = Fitter(Table.from_bytes(task.table.read(), task.table.path))
     for planned in task.fits:
-        # Finished already where a worker died over this task; its time was told then.
+        # Finished already where a worker died over this task, maybe before it told so: its time is not known.
         if shared() and stored_fit(planned, task.folder) is not None:
+            tell((planned.label, None))
             continue
         started = time.perf_counter()
         try:

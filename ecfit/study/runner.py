@@ -15,7 +15,7 @@ from ecfit.approximation.tables import as_lookup, lookup_name
 from ecfit.config import StudyConfig, read_config, to_toml
 from ecfit.display import grid
 from ecfit.errors import EcfitError
-from ecfit.files import clear_parts, make_folder, write_json, write_text
+from ecfit.files import clear_parts, make_folder, write_text
 from ecfit.fitting import Fit
 from ecfit.fitting.selection import Choice, front
 from ecfit.metrics import Errors, measure
@@ -23,7 +23,7 @@ from ecfit.progress import Progress
 from ecfit.quadrature import FINE, STATUS
 from ecfit.study.fits import compute_fits, load_fits, missing_fits
 from ecfit.study.plan import Plan, make_plan
-from ecfit.study.provenance import provenance
+from ecfit.study.provenance import write_provenance
 from ecfit.study.searches import compute_searches, load_searches
 from ecfit.tables import Given, Request, Table
 from ecfit.workers import Engine, begin_engine, check_workers
@@ -169,13 +169,15 @@ def _run(plan: Plan, base: Path, results: Path, engine: Engine, tell: Progress) 
         for name, requests in plan.lookups.items()
     }
     paths = {name: table_path(request, root) for name, request in plan.requests.items()}
-    needed = {key for fit in missing_fits(plan, folder) for key in fit.searches}
+    missing = missing_fits(plan, folder)
+    needed = {key for fit in missing for key in fit.searches}
     if plan.searches:
         with tell.stage("searches", len(plan.searches)) as advance:
             compute_searches(plan, needed, folder, paths, seconds, advance, engine)
     with tell.stage("fits", len(plan.fits)) as advance:
         compute_fits(plan, folder, paths, seconds, advance, engine)
     study = _assemble(plan, folder, tables, lookups, load_fits(plan, folder), seconds)
+    write_provenance(checked.name, folder, tables, computed=bool(seconds or missing))
     write_results(study)
     return study
 
@@ -252,7 +254,7 @@ def stored_table(
 
 
 def write_results(study: Study) -> None:
-    """Write summary, timings, provenance, figures and report of a study into its folder."""
+    """Write summary, timings, figures and report of a study into its folder."""
     from ecfit.report import write_report
 
     write_text(study.folder / "summary.csv", _csv(SUMMARY_COLUMNS, _summary_rows(study)))
@@ -261,8 +263,6 @@ def write_results(study: Study) -> None:
     if study.seconds:
         rows = [(what, f"{seconds:.3f}") for what, seconds in study.seconds.items()]
         write_text(study.folder / "timings.csv", _csv(("what", "wall_seconds"), rows))
-    made_of = provenance(study.config.name, study.folder, study.tables)
-    write_json(study.folder / "provenance.json", made_of)
     write_report(study)
 
 

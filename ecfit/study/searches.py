@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from ecfit._versions import versions
 from ecfit.errors import EcfitError
 from ecfit.files import Carried, read_json
 from ecfit.fitting.selection import Choice, merged
@@ -13,7 +14,6 @@ from ecfit.fitting.structured import searched
 from ecfit.study.plan import Plan, PlannedFit, PlannedSearch
 from ecfit.study.plugins import load_read
 from ecfit.tables import Table
-from ecfit.tables.tabulate import versions
 from ecfit.workers import Engine, keep, run_tasks
 
 

@@ -5,13 +5,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from ecfit._versions import versions
 from ecfit.approximation import Approximation
 from ecfit.certify import Certificate, certify
 from ecfit.errors import EcfitError
 from ecfit.files import read_json, write_json
 from ecfit.fitting import Fit
 from ecfit.study.plan import Plan
-from ecfit.tables.tabulate import versions
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,8 @@
 import hashlib
 import inspect
 import json
-import platform
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +13,7 @@ import numpy as np
 
 from ecfit._devices import Mesh, device_count, over_rows, row_mesh
 from ecfit._jax import jax, jnp
+from ecfit._versions import versions
 from ecfit.bsdf import BSDF, as_model
 from ecfit.bsdf.registry import name_of
 from ecfit.contract import Contract
@@ -296,15 +294,6 @@ def source_hash(cls: Any) -> str:
         except (OSError, TypeError):  # typed at a prompt: no source to be had
             return "unknown"
     return hashlib.sha256(source).hexdigest()[:16]
-
-
-def versions() -> dict[str, str]:
-    """Versions of Python and of the packages that compute numbers, of those that are installed."""
-    found = {}
-    for name in ("ecfit", "equinox", "jax", "jaxlib", "lineax", "numpy", "optimistix", "scipy"):
-        with suppress(PackageNotFoundError):
-            found[name] = version(name)
-    return {**found, "python": platform.python_version()}
 
 
 def tabulate(

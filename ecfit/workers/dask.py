@@ -33,6 +33,9 @@ ANSWER = 10.0
 JOIN = 30.0
 # Seconds without any worker after which a run ends: long enough for a nanny to start one again, or a queue.
 LONELY = 120.0
+# Seconds for the result of a task, some 100 kB, to come from its worker: where that died just after the task,
+# nobody answers, and the scheduler gives the task to another one.
+FETCH = 30.0
 # Seconds between two looks at whether the cluster is still there.
 _PATIENCE = 1.0
 
@@ -185,19 +188,33 @@ class Dask:
                 if isinstance(item, dict):
                     hear(item["task"], item["number"], item["message"])
                     continue
-                index = running.pop(item)
-                result, said = self._result(item, job, index)
+                index = running[item]
+                found = self._result(item, job, index)
+                if found is None:
+                    item.add_done_callback(inbox.put)
+                    room.look()
+                    continue
+                del running[item]
+                result, said = found
                 for number, message in enumerate(said):
                     hear(index, number, message)
                 done(index, result)
         finally:
             with suppress(Exception):
-                self.client.unsubscribe_topic(TOPIC)
                 self.client.cancel(list(running))
+            with suppress(Exception):
+                self.client.unsubscribe_topic(TOPIC)
 
-    def _result(self, future: Any, job: Job, index: int) -> tuple[Any, list[bytes]]:
+    def _result(self, future: Any, job: Job, index: int) -> tuple[Any, list[bytes]] | None:
+        """What a task returned and said; None where its worker does not answer. Raises what it raised."""
+        # That is here already: a `TimeoutError` is then the task's own.
+        failed = future.status == "error"
         try:
-            return future.result()
+            return future.result(timeout=None if failed else FETCH)
+        except TimeoutError:
+            if failed:
+                raise
+            return None
         except KilledWorker as error:
             raise job.deadly(
                 index, error.allowed_failures + 1, f"the last was {error.last_worker.address}"

@@ -37,7 +37,8 @@ def tell(message: Any) -> None:
 def keep(path: Path, data: Any) -> None:
     """Within a task: keep a result at once, as a JSON file of the process that asked for the task.
 
-    It outlives the task and its worker. Raises `EcfitError` where it cannot be written.
+    It outlives the task and its worker. Where it cannot be written the run ends with an `EcfitError`: raised
+    in the task on this machine, and not on a cluster, where tasks do not write.
     """
     home.get().keep(path, data)
 

@@ -51,7 +51,11 @@ class Local:
     workers: int | None = None
 
     def run(self, job: Job, done: Callable[[int, Any], object], heard: Callable[[Any], object]) -> None:
-        """See `Engine`. A task whose worker died is run again, alone and at most twice."""
+        """See `Engine`. A worker that dies breaks the pool, and with it all tasks that are running.
+
+        Each of them is begun again at the end, alone, one after the other, and at most twice: which of them
+        killed the worker nobody says.
+        """
         workers = min(check_workers(self.workers), len(job.tasks))
         if workers <= 1 and all(os.environ.get(name) == value for name, value in ONE_THREAD.items()):
             _here(job, done, heard)

@@ -6,10 +6,10 @@ import pickle
 import platform
 import sys
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from ecfit._versions import PACKAGES, versions
 from ecfit.errors import EcfitError
 from ecfit.workers.home import Home, home
 from ecfit.workers.job import work
@@ -17,9 +17,6 @@ from ecfit.workers.threads import ONE_THREAD
 
 # Events of all runs have one topic: a scheduler keeps the last 1000 of each topic in memory, for ever.
 TOPIC = "ecfit"
-
-# What the last bit of a fit depends on, beside the processor.
-_PACKAGES = ("jax", "jaxlib", "numpy", "scipy", "optimistix", "equinox", "lineax")
 
 
 class Stopped(Exception):
@@ -29,19 +26,13 @@ class Stopped(Exception):
 @cache
 def build() -> dict[str, str]:
     """What computes numbers in this process; two that differ in it may differ in the last bits of a fit."""
+    found = versions()
     return {
         "Python": ".".join(platform.python_version_tuple()[:2]),
-        "ecfit": f"{_version('ecfit')} (source {_source()})",
-        **{name: _version(name) for name in _PACKAGES},
+        "ecfit": f"{found.get('ecfit', 'missing')} (source {_source()})",
+        **{name: found.get(name, "missing") for name in PACKAGES},
         "XLA_FLAGS": os.environ.get("XLA_FLAGS", "").strip() or "unset",
     }
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "missing"
 
 
 def _source() -> str:

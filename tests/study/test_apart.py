@@ -12,8 +12,17 @@ import numpy as np
 import pytest
 
 import ecfit
+from ecfit._processor import instruction_set
 from ecfit.errors import EcfitError
-from ecfit.study.apart import SAME_ENTRY, SAME_FUNCTION, Apart, coefficients_apart, fits_apart, tables_apart
+from ecfit.study.apart import (
+    SAME_ENTRY,
+    SAME_FUNCTION,
+    Apart,
+    coefficients_apart,
+    entries_apart,
+    fits_apart,
+    tables_apart,
+)
 from ecfit.study.apart import functions_apart as apart
 from ecfit.workers import ONE_THREAD
 
@@ -120,14 +129,22 @@ def kept(config: Path, old: Path, new: Path) -> list[Apart]:
 
 @pytest.mark.usefixtures("no_report")
 def test_a_lesser_processor_gives_the_same_functions(tmp_path: Path):
+    if instruction_set() not in ("AVX-512", "AVX2", "AVX"):
+        pytest.skip(f"no processor is lesser than this one ({instruction_set()})")
     config = written(tmp_path, SMALL)
     ecfit.run(config, tmp_path / "here", workers=1)
     process(config, tmp_path / "there", **processor("SSE4_2", "Nehalem"))
     polynomial, rational = kept(config, tmp_path / "here", tmp_path / "there")
     assert polynomial.label == "e-polynomial-3"
+    stored = [[p.read_bytes() for p in fit_files(tmp_path / place)] for place in ("here", "there")]
+    assert stored[0] != stored[1], "nothing moved: was it another processor at all?"
     # Far within the promise here: it is made for the worst of forms.
     assert max(polynomial.coefficients, rational.coefficients) < 1e-6
     assert max(polynomial.share, rational.share) < 0.1 * SAME_FUNCTION
+
+
+def fit_files(results: Path) -> list[Path]:
+    return sorted((results / "small" / "fits").glob("*.json"))
 
 
 def files(folder: Path) -> dict[str, bytes]:
@@ -198,9 +215,22 @@ def test_what_moved_is_seen(tmp_path: Path):
     stored = ecfit.Table.load(table)
     dataclasses.replace(stored, values=stored.values + 1e-15).save(table)
     assert tables_apart(config, tmp_path / "old", tmp_path / "new") == {"e": np.inf}
+    # Other terms of the same number are no neighbours, whatever their coefficients.
+    data["numerator_exponents"].reverse()
+    path.write_text(json.dumps(data))
+    assert fits_apart(config, tmp_path / "old", tmp_path / "new")[1].coefficients == np.inf
+    path.write_text(json.dumps({**data, "key": "other"}))
+    with pytest.raises(EcfitError, match="another study file or version"):
+        fits_apart(config, tmp_path / "old", tmp_path / "new")
     path.unlink()
     with pytest.raises(EcfitError, match="no such file"):
         fits_apart(config, tmp_path / "old", tmp_path / "new")
+
+
+def test_entries_without_a_value_are_equal_where_both_runs_have_none():
+    a = np.array([np.nan, 1.0, np.nan])
+    assert entries_apart(a, a).tolist() == [0.0, 0.0, 0.0]
+    assert entries_apart(a, np.array([np.nan, 1.5, 0.0])).tolist() == [0.0, 0.5, np.inf]
 
 
 def test_functions_are_compared_over_the_closed_domain(make_table, unit_axis):
