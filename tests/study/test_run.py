@@ -16,7 +16,11 @@ import numpy as np
 import pytest
 
 import ecfit
+from ecfit.config import read_config
 from ecfit.study import runner
+from ecfit.study.plan import make_plan
+from ecfit.workers.home import Home, home
+from ecfit.workers.job import Job
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"
 
@@ -178,6 +182,39 @@ def test_a_stopped_run_keeps_what_was_finished(finished, tmp_path: Path):
     assert set(ecfit.run(config, tmp_path / "results").seconds) == {"fit e-rational-1"}
 
 
+@dataclasses.dataclass
+class Dying:
+    """An engine whose workers die at the end of their tasks, which begin again; `deaf`: unheard till then."""
+
+    deaf: bool
+
+    def run(self, job: Job, done: Callable, heard: Callable) -> None:
+        for index in job.order:
+            for way_home in (Home((lambda message: None) if self.deaf else heard), Home(heard)):
+                before = home.set(way_home)
+                result = job.function(job.tasks[index])
+                home.reset(before)
+            done(index, result)
+
+
+@pytest.mark.usefixtures("no_report")
+@pytest.mark.parametrize("deaf", [False, True])
+def test_every_fit_is_told_once_however_often_its_worker_died(finished, tmp_path: Path, deaf: bool):
+    config, results, _ = finished
+    shutil.copytree(results / "tables", tmp_path / "results" / "tables")
+    steps: list[int] = []
+
+    class Steps(runner.Progress):
+        @contextmanager
+        def stage(self, title: str, total: int) -> Iterator[Callable[[int], None]]:
+            yield steps.append
+
+    plan = make_plan(read_config(config), config.parent)
+    study = runner._run(plan, config.parent, tmp_path / "results", Dying(deaf), Steps())
+    assert steps == [0, 1, 1, 1]
+    assert len(study.seconds) == (0 if deaf else 3)  # how long it took was lost
+
+
 TWO_TABLES = """
 name = "two"
 [[tables]]
@@ -312,3 +349,27 @@ def test_provenance_names_versions_hashes_and_the_machine(finished):
     assert data["config"] == hashlib.sha256((results / "small" / "config.toml").read_bytes()).hexdigest()
     assert set(data["machine"]) == {"system", "instructions", "xla_flags"}
     assert data["machine"]["xla_flags"] == os.environ.get("XLA_FLAGS", "")
+
+
+@pytest.mark.usefixtures("no_report")
+def test_what_computes_nothing_does_not_say_that_it_made_the_numbers(
+    finished, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    config, results, _ = finished
+    copy = tmp_path / "results"
+    shutil.copytree(results, copy)
+    path = copy / "small" / "provenance.json"
+    before = path.read_bytes()
+    monkeypatch.setattr("ecfit.study.provenance.instruction_set", lambda: "another")
+    runner.write_results(runner.load(config, copy))
+    ecfit.run(config, copy)
+    assert path.read_bytes() == before
+    (copy / "small" / "fits" / "e-polynomial-2.json").unlink()
+    ecfit.run(config, copy)
+    assert json.loads(path.read_text())["machine"]["instructions"] == "another"
+    path.unlink()
+    runner.write_results(runner.load(config, copy))  # a report needs none, and makes none up
+    assert not path.exists()
+    path.write_text("[]")
+    ecfit.run(config, copy)
+    assert json.loads(path.read_text())["config"] == json.loads(before)["config"]
