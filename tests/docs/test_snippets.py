@@ -41,7 +41,7 @@ _SETUP = re.compile(r"<!-- setup: python\n(.*?)-->", re.DOTALL)
 # Of the repository; whoever reads a page at a terminal has them.
 _FOLDERS = ("benchmarks", "configs", "examples", "results/paper-small/fits")
 # A command runs these, each in its own way; a snippet of them is never run here.
-_OTHERS = ("apt-get", "cc", "cd", "dask", "make", "pip", "pytest", "python", "xdg-open")
+_OTHERS = ("apt-get", "cc", "cd", "dask", "make", "pip", "pytest", "python", "source", "xdg-open")
 # What a fragment of a study is checked with: a fit for a head, and the table that a fit asks for.
 _HEAD = """
 [[fits]]
