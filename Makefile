@@ -29,8 +29,8 @@ lint: $(VENV)/.dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 
-# The benchmarks are checked too, against what they import.
-types: $(VENV)/.dev $(VENV)/.bench
+# The benchmarks and the engine of clusters are checked too, against what they import.
+types: $(VENV)/.dev $(VENV)/.bench $(VENV)/.distributed
 	$(BIN)/pyright
 
 # The site, into .site/; every warning is an error. Material's own news is not.

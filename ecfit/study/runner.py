@@ -1,23 +1,19 @@
 """Running a study: tables, then fits, then the report; whatever is finished on disk is not done again."""
 
-import csv
-import io
 import os
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from ecfit.approximation import Approximation
-from ecfit.approximation.standing import standing_status
 from ecfit.approximation.tables import as_lookup, lookup_name
 from ecfit.config import StudyConfig, read_config, to_toml
 from ecfit.display import grid
 from ecfit.errors import EcfitError
 from ecfit.files import clear_parts, make_folder, write_text
 from ecfit.fitting import Fit
-from ecfit.fitting.selection import Choice, front
+from ecfit.fitting.selection import Choice
 from ecfit.metrics import Errors, measure
 from ecfit.progress import Progress
 from ecfit.quadrature import FINE, STATUS
@@ -25,32 +21,9 @@ from ecfit.study.fits import compute_fits, load_fits, missing_fits
 from ecfit.study.plan import Plan, make_plan
 from ecfit.study.provenance import write_provenance
 from ecfit.study.searches import compute_searches, load_searches
+from ecfit.study.summary import SEARCH_COLUMNS, SUMMARY_COLUMNS, csv_text, search_rows, summary_rows
 from ecfit.tables import Given, Request, Table
 from ecfit.workers import Engine, begin_engine, check_workers
-
-SUMMARY_COLUMNS = (
-    "table",
-    "form",
-    "degree",
-    "coefficients",
-    "mae",
-    "rmse",
-    "max_error",
-    "min_denominator",
-    "status",
-    "max_error_at",
-    "furnace_mean",
-    "furnace_max",
-    "prediction_low",
-    "prediction_high",
-    "iterations",
-    "max_over_least",
-)
-
-# `rms` is in the search's own weights, `cost` in multiply-adds; `front`: none is better at less cost.
-SEARCH_COLUMNS = (
-    "table", "form", "coefficients", "rms", "multiply_adds", "divisions", "roots", "cost", "front",
-)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,99 +230,12 @@ def write_results(study: Study) -> None:
     """Write summary, timings, figures and report of a study into its folder."""
     from ecfit.report import write_report
 
-    write_text(study.folder / "summary.csv", _csv(SUMMARY_COLUMNS, _summary_rows(study)))
+    write_text(
+        study.folder / "summary.csv", csv_text(SUMMARY_COLUMNS, summary_rows(study.fits, study.published))
+    )
     if study.searches:
-        write_text(study.folder / "searches.csv", _csv(SEARCH_COLUMNS, _search_rows(study)))
+        write_text(study.folder / "searches.csv", csv_text(SEARCH_COLUMNS, search_rows(study.searches)))
     if study.seconds:
         rows = [(what, f"{seconds:.3f}") for what, seconds in study.seconds.items()]
-        write_text(study.folder / "timings.csv", _csv(("what", "wall_seconds"), rows))
+        write_text(study.folder / "timings.csv", csv_text(("what", "wall_seconds"), rows))
     write_report(study)
-
-
-def _csv(columns: tuple[str, ...], rows: Any) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(rows)
-    return text.getvalue()
-
-
-def _number(value: float) -> str:
-    return f"{value:.6e}"
-
-
-def _ratio(value: float | None) -> str:
-    """Empty where nothing is known: an infinite ratio is to a bound of 0."""
-    return "" if value is None or value == float("inf") else _number(value)
-
-
-def summary_row(table: str, fit: Fit) -> tuple[Any, ...]:
-    """The row of a fit in `summary.csv`."""
-    return (
-        table,
-        fit.approximation.form,
-        fit.approximation.degree,
-        fit.approximation.count,
-        *_error_cells(fit.errors),
-        _number(fit.smallest.value),
-        fit.status,
-        _place(fit.errors),
-        _number(fit.errors.furnace_mean),
-        _number(fit.errors.furnace_max),
-        _number(fit.prediction[0]),
-        _number(fit.prediction[1]),
-        fit.iterations,
-        _ratio(fit.max_over_least),
-    )
-
-
-def _summary_rows(study: Study) -> Iterator[tuple[Any, ...]]:
-    for name, fits in study.fits.items():
-        for fit in fits:
-            yield summary_row(name, fit)
-    for name, rows in study.published.items():
-        for approximation, errors in rows:
-            smallest = approximation.smallest_denominator()
-            yield (
-                name,
-                approximation.name,
-                approximation.degree,
-                approximation.count,
-                *_error_cells(errors),
-                _number(smallest.value),
-                standing_status(approximation, smallest),
-                _place(errors),
-                _number(errors.furnace_mean),
-                _number(errors.furnace_max),
-                "",
-                "",
-                "",
-                "",
-            )
-
-
-def _search_rows(study: Study) -> Iterator[tuple[Any, ...]]:
-    for table, searches in study.searches.items():
-        for form, found in searches:
-            best = front(found)
-            for choice in found:
-                cost = choice.cost
-                yield (
-                    table,
-                    form,
-                    choice.count,
-                    _number(choice.rms),
-                    cost.multiply_adds,
-                    cost.divisions,
-                    cost.roots,
-                    f"{cost.total:g}",
-                    "yes" if choice in best else "",
-                )
-
-
-def _error_cells(errors: Errors) -> tuple[str, str, str]:
-    return _number(errors.mae), _number(errors.rmse), _number(errors.max_error)
-
-
-def _place(errors: Errors) -> str:
-    return " ".join(f"{k}={v:.6g}" for k, v in errors.place.items())

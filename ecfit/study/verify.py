@@ -22,7 +22,8 @@ from ecfit.metrics import measure, prediction_range
 from ecfit.study.fits import fit_path
 from ecfit.study.plan import Plan, PlannedFit, make_plan
 from ecfit.study.provenance import config_hash
-from ecfit.study.runner import SUMMARY_COLUMNS, summary_row, table_path
+from ecfit.study.runner import table_path
+from ecfit.study.summary import SUMMARY_COLUMNS, summary_row
 from ecfit.tables import Given, Request, Table
 from ecfit.tables.scattered import integrate
 
